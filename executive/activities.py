@@ -1,0 +1,266 @@
+"""Running tokens: started, confirmed, finished, failed, unconfirmed, aborted; each is a distinct event.
+
+A token without an activity only takes time. One with an activity sends its commands, waits for their proof, holds its
+locks, and, where nature decides its duration, ends when telemetry says so and not before or after its bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from executive.bindings import Activity, Bindings
+from executive.commands import CommandLink, Progress, Transmission
+from executive.conditions import Parameters, Telemetry, Watch
+from executive.journal import Journal
+from executive.locks import LockTable
+from executive.monitor import Violation
+from executive.port import TelemetryValue
+from planner.plan import ParameterValue, PlanToken
+
+
+@dataclass(eq=False)
+class RunningToken:
+    """A token from its start until its end has happened and everything sent for it is proven. Times are seconds."""
+
+    token: PlanToken
+    activity: Activity | None
+    parameters: Parameters
+    started: int
+    starting: Transmission | None = None
+    ending: Transmission | None = None
+    finish: Watch | None = None
+    ended: int | None = None
+
+    def __repr__(self) -> str:
+        return f"RunningToken({self.token.id} since {self.started} s)"
+
+    @property
+    def is_over(self) -> bool:
+        """It has ended and nothing is left to be proven."""
+        return self.ended is not None and self.starting is None and self.ending is None
+
+    @property
+    def earliest_end(self) -> int:
+        """The first second at which nature may end it."""
+        return self.started + (self.token.duration[0] or 0)
+
+    @property
+    def deadline(self) -> int | None:
+        """The last second at which nature may end it."""
+        return None if self.token.duration[1] is None else self.started + self.token.duration[1]
+
+    @property
+    def awaits_nature(self) -> bool:
+        """Its end is still for nature to decide."""
+        return self.token.contingent and self.ended is None
+
+
+@dataclass(frozen=True, slots=True)
+class Progressed:
+    """What one observation brought: tokens that nature ended, tokens now over, and what went wrong."""
+
+    ended: tuple[PlanToken, ...] = ()
+    over: tuple[PlanToken, ...] = ()
+    violations: tuple[Violation, ...] = ()
+
+
+@dataclass(eq=False)
+class Activities:
+    """All running tokens of one plan, in the order in which they started."""
+
+    plan_id: str
+    bindings: Bindings
+    link: CommandLink
+    journal: Journal
+    locks: LockTable = field(default_factory=LockTable)
+    running: dict[str, RunningToken] = field(default_factory=dict)
+
+    def begin(self, token: PlanToken, telemetry: Telemetry, now: int, began: int | None = None) -> list[Violation]:
+        """Start a token now, or take in one that has been running since `began`."""
+        activity = self.bindings.activity(token.predicate)
+        parameters = decided(token)
+        run = RunningToken(token, activity, parameters, now if began is None else began)
+        self.running[token.id] = run
+        self._tell(now, "token.started", token)
+        if activity is None:
+            return []
+        if began is None and (activity.start or activity.started.conditions):
+            run.starting = Transmission(self.link, activity.start, activity.started, parameters, token.id)
+            run.starting.send(telemetry, now)
+            return []
+        return self._confirmed(run, telemetry, now)
+
+    def end(self, token_id: str, telemetry: Telemetry, now: int) -> tuple[PlanToken, ...]:
+        """The token's end happens now: its locks go, its end commands go out. Returns it if it is over with that."""
+        run = self.running[token_id]
+        run.ended = now
+        self.locks.release(token_id)
+        if run.starting is not None:
+            run.starting.no_more_tries()  # starting it again after its end would be worse than not at all
+        activity = run.activity
+        if activity is not None and (activity.end or activity.ended.conditions):
+            run.ending = Transmission(self.link, activity.end, activity.ended, run.parameters, token_id)
+            run.ending.send(telemetry, now)
+        return self._if_over(run, now)
+
+    def observe(self, telemetry: Telemetry, now: int) -> Progressed:
+        """One observation: confirmations, ends that nature decided, deadlines, locks."""
+        ended: list[PlanToken] = []
+        over: list[PlanToken] = []
+        violations: list[Violation] = []
+        for run in tuple(self.running.values()):
+            over += self._follow(run, telemetry, now, violations)
+            if run.finish is not None and run.awaits_nature:
+                ended += self._watch_finish(run, telemetry, now, violations)
+            if run.awaits_nature and run.token not in ended and run.deadline is not None and now >= run.deadline:
+                violations.append(self._late(run, telemetry))
+        for broken in self.locks.broken(telemetry, now):
+            violations.append(Violation("lock", broken.detail, broken.token, broken.lock.conclusion))
+        return Progressed(tuple(ended), tuple(over), tuple(violations))
+
+    def abort(self, violations: Iterable[Violation], now: int) -> None:
+        """Stop everything, the latest first: failed tokens with their reasons, all others aborted."""
+        reasons: dict[str, str] = {}
+        for violation in violations:
+            if violation.token is not None:
+                reasons.setdefault(violation.token, f"{violation.kind}: {violation.detail}")
+        for run in reversed(tuple(self.running.values())):
+            for transmission in (run.starting, run.ending):
+                if transmission is not None:
+                    transmission.close()
+            if run.token.id in reasons:
+                self._tell(now, "token.failed", run.token, {"reason": reasons[run.token.id]})
+            else:
+                self._tell(now, "token.aborted", run.token)
+            if run.activity is not None:
+                self.link.forget(self.link.send(run.activity.stop, run.parameters, run.token.id, now))
+        self.running.clear()
+
+    def dues(self, now: int) -> Iterable[int]:
+        """The seconds at which waiting alone changes something."""
+        for run in self.running.values():
+            for transmission in (run.starting, run.ending):
+                if transmission is not None:
+                    yield transmission.due(now)
+            if run.awaits_nature:
+                if run.deadline is not None:
+                    yield run.deadline
+                if run.finish is not None:
+                    if (due := run.finish.due(now)) is not None:
+                        yield due
+                    if run.earliest_end > now:
+                        yield run.earliest_end
+        yield from self.locks.dues(now)
+
+    def _follow(
+        self, run: RunningToken, telemetry: Telemetry, now: int, violations: list[Violation]
+    ) -> tuple[PlanToken, ...]:
+        """What is known of the commands sent for a token. Returns it if it is over with that."""
+        if run.starting is not None and (progress := run.starting.follow(telemetry, now)) != "pending":
+            if progress == "confirmed":
+                run.starting.close()
+                run.starting = None
+                self._tell(now, "token.confirmed", run.token)
+                if run.ended is None:
+                    violations += self._confirmed(run, telemetry, now)
+            else:
+                violations.append(_unconfirmed(run, "start", run.starting, progress, telemetry))
+        if run.ending is not None and (progress := run.ending.follow(telemetry, now)) != "pending":
+            if progress == "confirmed":
+                run.ending.close()
+                run.ending = None
+            else:
+                violations.append(_unconfirmed(run, "end", run.ending, progress, telemetry))
+        return self._if_over(run, now)
+
+    def _confirmed(self, run: RunningToken, telemetry: Telemetry, now: int) -> list[Violation]:
+        """The start is proven: locks are taken and nature may end it."""
+        assert run.activity is not None
+        if run.activity.finish is not None:
+            bound = tuple(c.bound_to(run.parameters) for c in run.activity.finish.conditions)
+            run.finish = Watch(bound, run.activity.finish.persistence, telemetry)
+        for lock in run.activity.maintained:
+            if (conflict := self.locks.take(run.token.id, lock, run.parameters, telemetry)) is not None:
+                return [Violation("incompatible", conflict, run.token.id)]
+        return []
+
+    def _watch_finish(
+        self, run: RunningToken, telemetry: Telemetry, now: int, violations: list[Violation]
+    ) -> tuple[PlanToken, ...]:
+        assert run.activity is not None
+        assert run.activity.finish is not None
+        assert run.finish is not None
+        if not run.finish.update(telemetry, now):
+            return ()
+        if now < run.earliest_end:
+            if not run.activity.finish.hold_early:
+                took, least = now - run.started, run.token.duration[0]
+                violations.append(
+                    Violation("early", f"ended after {took} s, expected at least {least} s", run.token.id)
+                )
+            return ()
+        if run.deadline is not None and now > run.deadline:
+            return ()  # too late to count: the deadline speaks
+        return (run.token,)
+
+    def _late(self, run: RunningToken, telemetry: Telemetry) -> Violation:
+        missing = "its start is not confirmed" if run.finish is None else run.finish.first_failing(telemetry)
+        detail = f"not ended after {run.token.duration[1]} s: {missing}"
+        finish = None if run.activity is None else run.activity.finish
+        return Violation("late", detail, run.token.id, None if finish is None else finish.conclusion)
+
+    def _if_over(self, run: RunningToken, now: int) -> tuple[PlanToken, ...]:
+        if not run.is_over:
+            return ()
+        self._tell(now, "token.finished", run.token, {"verdict": verdict(run), "ended": run.ended})
+        del self.running[run.token.id]
+        return (run.token,)
+
+    def _tell(self, now: int, event: str, token: PlanToken, more: Mapping[str, object] | None = None) -> None:
+        entry = {
+            "plan": self.plan_id,
+            "token": token.id,
+            "object": token.object,
+            "attribute": token.attribute,
+            "predicate": token.predicate,
+            "parameters": {k: list(v) if isinstance(v, tuple) else v for k, v in token.parameters.items()},
+        }
+        self.journal.write(now, event, entry | dict(more or {}))
+
+
+def _unconfirmed(
+    run: RunningToken, which: str, transmission: Transmission, progress: Progress, telemetry: Telemetry
+) -> Violation:
+    kind: Literal["refused", "unconfirmed"] = "refused" if progress == "refused" else "unconfirmed"
+    detail = f"{which}: {transmission.complaint(progress, telemetry)}"
+    return Violation(kind, detail, run.token.id, transmission.confirmation.conclusion)
+
+
+def verdict(run: RunningToken) -> Literal["early", "on_time", "late"]:
+    """How a token's end compares with the bounds that its plan gave it at adoption."""
+    assert run.ended is not None
+    lower, upper = run.token.end
+    if lower is not None and run.ended < lower:
+        return "early"
+    if upper is not None and run.ended > upper:
+        return "late"
+    return "on_time"
+
+
+def decided(token: PlanToken) -> dict[str, TelemetryValue]:
+    """A token's parameters as values, and its object. Of what the plan left open, the first (or least) is taken."""
+    values: dict[str, TelemetryValue] = {"object": token.object}
+    for name, value in token.parameters.items():
+        values[name] = _decide(value)
+    return values
+
+
+def _decide(value: ParameterValue) -> TelemetryValue:
+    if isinstance(value, tuple):
+        return value[0] if value else ""
+    if isinstance(value, Mapping):
+        bounds = [bound for bound in (value.get("min"), value.get("max")) if bound is not None]
+        return bounds[0] if bounds else 0.0
+    return value

@@ -1,0 +1,22 @@
+"""What the executive raises.
+
+ExecutiveError
+    BindingsError   a binding of a domain's predicates that cannot work; says which activity or monitor, and which field
+    JournalError    a journal entry that is not plain data, or comes after the journal was closed
+
+In flight nothing is raised: whatever goes wrong there is a value (`monitor.Violation`) and has a defined consequence.
+"""
+
+from __future__ import annotations
+
+
+class ExecutiveError(Exception):
+    """Anything a user of the executive did that cannot work."""
+
+
+class BindingsError(ExecutiveError):
+    """The bindings are wrong; the message names the activity and the field."""
+
+
+class JournalError(ExecutiveError):
+    """The journal cannot take an entry; the message names the event."""

@@ -1,0 +1,181 @@
+"""One plan in execution: the dispatcher says when, the activities say what, telemetry says what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from time import perf_counter
+
+from executive import dispatcher as rte
+from executive.activities import Activities
+from executive.bindings import Bindings
+from executive.commands import CommandLink
+from executive.conditions import Telemetry
+from executive.journal import Journal
+from executive.monitor import Violation
+from executive.network import PlanNetwork
+from executive.records import DispatchStatistics
+from planner.plan import ORIGIN, PlanToken
+from planner.temporal.controllability import DispatchableNetwork
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """What one instant brought: goals whose tokens are over, and what went wrong."""
+
+    goals: tuple[str, ...] = ()
+    violations: tuple[Violation, ...] = ()
+
+
+class Execution:
+    """A plan from its hand-over until it is over or given up. Times are seconds, which are the plan's ticks."""
+
+    def __init__(
+        self,
+        plan_id: str,
+        network: PlanNetwork,
+        dispatchable: DispatchableNetwork,
+        bindings: Bindings,
+        link: CommandLink,
+        journal: Journal,
+        statistics: DispatchStatistics,
+    ) -> None:
+        self.plan_id = plan_id
+        self._network = network
+        self._names = network.stnu.timepoints
+        self._dispatcher = rte.Dispatcher(dispatchable)
+        self._activities = Activities(plan_id, bindings, link, journal)
+        self._journal = journal
+        self._statistics = statistics
+        self._next: int | None = None
+        self._place: dict[str, tuple[int, int]] = {}
+        self._goals: dict[str, tuple[str, ...]] = {}
+        # What nothing waits for lasts as long as it may.
+        self._wishes = dict.fromkeys(sorted(network.lasting), network.plan.horizon[1] + 1)
+        for line, timeline in enumerate(network.plan.timelines):
+            for number, slot in enumerate(timeline.slots):
+                self._place[slot[0]] = (number, line)
+                tokens = (network.plan.token(token_id) for token_id in slot)
+                self._goals[slot[0]] = tuple(token.goal for token in tokens if token.goal is not None)
+
+    def begin(self, telemetry: Telemetry, now: int) -> Happening:
+        """Take over: what holds already has begun."""
+        self._dispatcher.execute(self._network.index[ORIGIN], 0)
+        violations = []
+        for token_id, began in self._network.begun.items():
+            self._dispatcher.execute(self._network.index[f"{token_id}.start"], began)
+            if token_id in self._place:
+                violations += self._activities.begin(self._network.plan.token(token_id), telemetry, now, began)
+        return Happening(violations=tuple(violations))
+
+    def observe(self, telemetry: Telemetry, now: int) -> Happening:
+        """One observation: what nature ended, what is proven, what went wrong."""
+        progressed = self._activities.observe(telemetry, now)
+        over = list(progressed.over)
+        violations = list(progressed.violations)
+        narrowed: set[int] = set()
+        for token in progressed.ended:
+            violations += self._happen(self._network.index[f"{token.id}.end"], now, narrowed)
+            over += self._activities.end(token.id, telemetry, now)
+        self._tell_bounds(narrowed, now)
+        return Happening(self._goals_of(over), tuple(violations))
+
+    def dispatch(self, telemetry: Telemetry, now: int) -> Happening:
+        """Perform every timepoint that is due, until nothing more can happen at this instant; then its effects."""
+        before = set(self._activities.running)
+        performed: list[int] = []
+        narrowed: set[int] = set()
+        violations: list[Violation] = []
+        while True:
+            clock = perf_counter()
+            decision = self._dispatcher.next_decision(now, self._wishes)
+            self._statistics.latencies.append(perf_counter() - clock)
+            if decision is None or decision.time > now:
+                self._next = None if decision is None else decision.time
+                break
+            for timepoint in decision.timepoints:
+                violations += self._happen(timepoint, now, narrowed)
+                performed.append(timepoint)
+        self._tell_bounds(narrowed, now)
+        over: list[PlanToken] = []
+        for token_id, is_start in sorted(self._split(performed), key=lambda effect: self._order(effect, before)):
+            if is_start:
+                violations += self._activities.begin(self._network.plan.token(token_id), telemetry, now)
+            elif token_id in self._activities.running:
+                over += self._activities.end(token_id, telemetry, now)
+        return Happening(self._goals_of(over), tuple(violations))
+
+    def abort(self, violations: Iterable[Violation], now: int) -> None:
+        """Give the plan up: every running activity is stopped safely."""
+        self._activities.abort(violations, now)
+
+    def blamed(self, token_id: str) -> tuple[str, ...]:
+        """The goals that a token serves: its own, or those of the token whose rule asked for it, and so on upwards."""
+        plan = self._network.plan
+        seen: set[str] = set()
+        above: str | None = token_id
+        while above is not None and above not in seen and f"{above}.end" in self._network.index:
+            if goals := self._goals.get(above) or ((goal,) if (goal := plan.token(above).goal) else ()):
+                return goals
+            seen.add(above)
+            above = plan.token(above).master
+        return ()
+
+    def lasting_goals(self, horizon_end: int) -> tuple[str, ...]:
+        """The goals whose tokens hold now and may hold beyond the end of the horizon."""
+        return self._goals_of(
+            run.token
+            for run in self._activities.running.values()
+            if run.ended is None
+            and run.starting is None
+            and (run.token.end[1] is None or run.token.end[1] >= horizon_end)
+        )
+
+    def dues(self, now: int) -> Iterable[int]:
+        """The seconds at which waiting alone changes something."""
+        yield from self._activities.dues(now)
+        if self._next is not None:
+            yield self._next
+
+    def _happen(self, timepoint: int, now: int, narrowed: set[int]) -> list[Violation]:
+        """Tell the dispatcher and the journal. Timed: this and the decision are what the dispatcher costs."""
+        window = self._dispatcher.window(timepoint)
+        name = self._names[timepoint]
+        self._journal.write(now, "timepoint.executed", {"timepoint": name, "bounds": list(window)})
+        clock = perf_counter()
+        violation = self._dispatcher.happened(timepoint, now)
+        self._statistics.latencies.append(perf_counter() - clock)
+        self._statistics.timepoints += 1
+        narrowed.update(self._dispatcher.narrowed)
+        narrowed.discard(timepoint)
+        if violation is None:
+            return []
+        detail = f"{name} at {now} s, expected within [{window.earliest}, {window.latest}]"
+        if violation.out_of_order:
+            detail += " and after " + ", ".join(self._names[i] for i in violation.out_of_order)
+        token_id = name.rpartition(".")[0] or None
+        return [Violation("dispatch", detail, token_id)]
+
+    def _tell_bounds(self, narrowed: set[int], now: int) -> None:
+        """Journal the windows of timepoints still to come that have changed."""
+        changes = {
+            self._names[timepoint]: list(self._dispatcher.window(timepoint))
+            for timepoint in sorted(narrowed)
+            if self._dispatcher.time(timepoint) is None
+        }
+        if changes:
+            self._journal.write(now, "bounds", {"changes": changes})
+
+    def _split(self, timepoints: Iterable[int]) -> Iterable[tuple[str, bool]]:
+        for timepoint in timepoints:
+            token_id, _, which = self._names[timepoint].rpartition(".")
+            if token_id in self._place:
+                yield token_id, which == "start"
+
+    def _order(self, effect: tuple[str, bool], before: set[str]) -> tuple[bool, int, int, bool]:
+        """Effects of one instant: what was running ends before anything starts; tokens of no duration go in order."""
+        token_id, is_start = effect
+        return (is_start or token_id not in before, *self._place[token_id], not is_start)
+
+    def _goals_of(self, tokens: Iterable[PlanToken]) -> tuple[str, ...]:
+        return tuple(goal for token in tokens for goal in self._goals[token.id])

@@ -1,0 +1,345 @@
+"""ConstraintNetworkManager (paper, section 5): dynamic variables and constraints, propagated to a joint fixpoint.
+
+One door for change: a domain shrinks only through `restrict(variable, domain, because)`. The reason is kept: it is the
+explanation of tomorrow's inconsistency. The temporal network is a propagator inside the same fixpoint; timepoints and
+durations are variables like any other to a constraint procedure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+from planner.constraints.procedure import ConstraintProcedure
+from planner.domains import Domain, Interval
+from planner.temporal.network import INFINITY, TemporalNetworkManager
+from planner.trail import Trail
+
+Owner = Any
+"""Who posted a constraint or made a restriction: a decision, a rule instance, a token, the problem. Compared by `is`."""
+
+
+class Inconsistency(Exception):  # noqa: N818 - the field's word; it is a signal of search, not a user's error
+    """No solution below this point: what was asked for (`because`) leaves a variable, a scope or time without values.
+
+    `because`: the propagator that found no solution, or the owner of a restriction. `variable`: the one that the
+    restriction would leave without values. `cycle`: temporal constraints that cannot hold together.
+    """
+
+    def __init__(
+        self, because: Owner = None, variable: AnyVariable | None = None, cycle: tuple[int, ...] = ()
+    ) -> None:
+        super().__init__()
+        self.because = because
+        self.variable = variable
+        self.cycle = cycle
+
+
+class Variable:
+    """A variable with its domain. `owner`: who made it. `latest`: the index of its latest change in the log, or -1."""
+
+    __slots__ = ("domain", "latest", "name", "owner", "watchers")
+
+    def __init__(self, name: str, domain: Domain, owner: Owner) -> None:
+        self.name = name
+        self.domain: Domain = domain
+        self.owner = owner
+        self.watchers: list[Propagator] = []
+        self.latest = -1
+
+    def __repr__(self) -> str:
+        return f"{self.name}={self.domain!r}"
+
+
+class TimeVariable:
+    """A timepoint as a variable: its domain is what the temporal network says."""
+
+    __slots__ = ("name", "owner", "temporal", "timepoint", "watchers")
+
+    def __init__(self, name: str, timepoint: int, temporal: TemporalNetworkManager, owner: Owner) -> None:
+        self.name = name
+        self.timepoint = timepoint
+        self.temporal = temporal
+        self.owner = owner
+        self.watchers: list[Propagator] = []
+
+    @property
+    def domain(self) -> Domain:
+        """The timepoint's bounds."""
+        lower, upper = self.temporal.lower(self.timepoint), self.temporal.upper(self.timepoint)
+        return Interval(lower if lower > -INFINITY else -math.inf, upper if upper < INFINITY else math.inf)
+
+    def __repr__(self) -> str:
+        return f"{self.name}={self.domain!r}"
+
+
+class DurationVariable:
+    """The distance from one timepoint to another as a variable: what is stated of it, within the bounds of both ends.
+
+    `latest`: the index of the latest change of `stated` in the log, or -1.
+    """
+
+    __slots__ = ("end", "latest", "name", "owner", "start", "stated", "watchers")
+
+    def __init__(self, name: str, start: TimeVariable, end: TimeVariable, stated: Interval, owner: Owner) -> None:
+        self.name = name
+        self.start = start
+        self.end = end
+        self.stated = stated
+        self.owner = owner
+        self.watchers: list[Propagator] = []
+        self.latest = -1
+
+    @property
+    def domain(self) -> Domain:
+        """What the constraints on the distance and the bounds of both ends leave."""
+        start, end = self.start.domain, self.end.domain
+        return self.stated.bounded(end.lower - start.upper, end.upper - start.lower)
+
+    def __repr__(self) -> str:
+        return f"{self.name}={self.domain!r}"
+
+
+AnyVariable = Variable | TimeVariable | DurationVariable
+
+
+class Propagator(Protocol):
+    """What may stand in the queue: constraints, and watchers such as guards that act when their scope is decided."""
+
+    owner: Owner
+    queued: bool
+
+    @property
+    def scope(self) -> Sequence[AnyVariable]:
+        """The variables whose changes matter to it."""
+        ...
+
+    def run(self, network: ConstraintNetworkManager) -> None:
+        """Narrow or act; Inconsistency when there is no solution."""
+        ...
+
+
+class Constraint:
+    """A constraint procedure over a scope of variables."""
+
+    __slots__ = ("owner", "procedure", "queued", "scope")
+
+    def __init__(self, procedure: ConstraintProcedure, scope: Sequence[AnyVariable], owner: Owner) -> None:
+        self.procedure = procedure
+        self.scope = scope
+        self.owner = owner
+        self.queued = False
+
+    def run(self, network: ConstraintNetworkManager) -> None:
+        """Apply the procedure once and restrict what it narrowed."""
+        domains = [variable.domain for variable in self.scope]
+        narrowed = self.procedure.narrow(domains)
+        if narrowed is None:
+            raise Inconsistency(because=self)
+        for variable, old, new in zip(self.scope, domains, narrowed, strict=True):
+            if new is not old:
+                network.restrict(variable, new, self)
+
+    def __repr__(self) -> str:
+        return f"{self.procedure.name}({', '.join(v.name for v in self.scope)})"
+
+
+class Moment(NamedTuple):
+    """A point in the history of the network: so many domain changes made, so many temporal constraints in force."""
+
+    changes: int
+    edges: int
+
+
+class ConstraintNetworkManager:
+    """Variables, constraints and their propagation on one trail.
+
+    The temporal network is this manager's own: whoever posts there directly makes explanations wrong. Levels of the
+    trail are opened at a fixpoint.
+    """
+
+    def __init__(self, trail: Trail, temporal: TemporalNetworkManager) -> None:
+        self.trail = trail
+        self.temporal = temporal
+        # Of every domain change: the variable, its domain before, the reason, the index of the variable's change
+        # before that, and the number of temporal constraints in force.
+        self._changes: list[tuple[Variable | DurationVariable, Domain, Owner, int, int]] = []
+        # Of every temporal constraint, by its identifier: the owner and the moment at which it was posted.
+        self._edges: list[tuple[Owner, Moment]] = []
+        self._in_force = 0
+        self._time_watchers: dict[int, list[AnyVariable]] = {}
+        self._queue: deque[Propagator] = deque()
+        trail.join(self)
+
+    # Undo log of the domains
+
+    def mark(self) -> int:
+        """The position in the log of domain changes; ValueError unless the network is at a fixpoint."""
+        if self._queue or self._in_force != len(self._edges):
+            raise ValueError("a level is opened at a fixpoint: expected `propagate` before `push`")
+        return len(self._changes)
+
+    def undo_to(self, mark: int) -> None:
+        """Take back the changes after a mark, newest first, and forget what was queued."""
+        changes = self._changes
+        while len(changes) > mark:
+            variable, old, _, previous, _ = changes.pop()
+            variable.latest = previous
+            if isinstance(variable, Variable):
+                variable.domain = old
+            else:
+                assert isinstance(old, Interval)
+                variable.stated = old
+        self._in_force = len(self._edges)
+        self._clear_queue()
+
+    # Variables
+
+    def variable(self, name: str, domain: Domain, owner: Owner) -> Variable:
+        """A new variable. It lives as long as its owner does; nothing needs undoing until it is constrained."""
+        return Variable(name, domain, owner)
+
+    def timepoint(self, name: str, lower: float, upper: float, owner: Owner) -> TimeVariable:
+        """A new timepoint within [lower, upper] ticks; bounds that say something are constraints of the owner."""
+        variable = TimeVariable(name, self.temporal.add_timepoint(-INFINITY, INFINITY), self.temporal, owner)
+        if lower > -math.inf or upper < math.inf:
+            self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, owner)
+        return variable
+
+    def restrict(self, variable: AnyVariable, domain: Domain, because: Owner) -> bool:
+        """Intersect a variable's domain; whether anything was removed. Inconsistency when nothing is left."""
+        old = variable.domain
+        new = old.intersect(domain)
+        if new is old:
+            return False
+        if new.is_empty:
+            raise Inconsistency(because, variable)
+        if isinstance(variable, Variable):
+            self._note(variable, old, because)
+            variable.domain = new
+            self._enqueue_all(variable.watchers)
+            return True
+        # Only the ends that moved are this owner's doing. The watchers of a timepoint hear of it from the temporal
+        # network, which knows its bounds only after its own propagation.
+        lower = new.lower if new.lower > old.lower else -math.inf
+        upper = new.upper if new.upper < old.upper else math.inf
+        if isinstance(variable, TimeVariable):
+            self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, because)
+        else:
+            self._note(variable, variable.stated, because)
+            variable.stated = variable.stated.bounded(lower, upper)
+            self.distance(variable.start, variable.end, lower, upper, because)
+            self._enqueue_all(variable.watchers)
+        return True
+
+    def _note(self, variable: Variable | DurationVariable, old: Domain, because: Owner) -> None:
+        self._changes.append((variable, old, because, variable.latest, self._in_force))
+        variable.latest = len(self._changes) - 1
+
+    # Constraints
+
+    def post(self, procedure: ConstraintProcedure, scope: Sequence[AnyVariable], owner: Owner) -> Constraint:
+        """Add a constraint and queue it."""
+        constraint = Constraint(procedure, scope, owner)
+        self.watch(constraint)
+        return constraint
+
+    def watch(self, propagator: Propagator) -> None:
+        """Queue a propagator now, and whenever a variable of its scope changes."""
+        for variable in propagator.scope:
+            self.trail.append(variable.watchers, propagator)
+            if isinstance(variable, TimeVariable):
+                self._watch_time(variable.timepoint, variable)
+            elif isinstance(variable, DurationVariable):
+                self._watch_time(variable.start.timepoint, variable)
+                self._watch_time(variable.end.timepoint, variable)
+        self._enqueue(propagator)
+
+    def distance(self, from_: TimeVariable, to: TimeVariable, lower: float, upper: float, owner: Owner) -> int:
+        """Post `lower <= to - from_ <= upper` ticks; returns the temporal constraint's identifier."""
+        return self._post_edge(from_.timepoint, to.timepoint, lower, upper, owner)
+
+    def _post_edge(self, from_: int, to: int, lower: float, upper: float, owner: Owner) -> int:
+        self.trail.append(self._edges, (owner, self.now()))
+        return self.temporal.post(from_, to, ticks(lower), ticks(upper), len(self._edges) - 1)
+
+    def stakeholder_named(self, number: int) -> Owner:
+        """The owner by the number that the temporal network knows it by."""
+        return self._edges[number][0] if number >= 0 else None
+
+    def posted_at(self, edge: int) -> Moment:
+        """When a temporal constraint was posted."""
+        return self._edges[edge][1]
+
+    def now(self) -> Moment:
+        """The present moment."""
+        return Moment(len(self._changes), self._in_force)
+
+    # Propagation
+
+    def propagate(self) -> None:
+        """Run to the joint fixpoint of procedures and temporal network; Inconsistency when there is no solution."""
+        queue, temporal = self._queue, self.temporal
+        while True:
+            if not temporal.propagate():
+                raise Inconsistency(cycle=temporal.conflict())
+            self._in_force = len(self._edges)
+            for timepoint in temporal.changed():
+                for variable in self._time_watchers.get(timepoint, ()):
+                    self._enqueue_all(variable.watchers)
+            if not queue:
+                return
+            while queue:
+                propagator = queue.popleft()
+                propagator.queued = False
+                propagator.run(self)
+
+    def explain(self, inconsistency: Inconsistency) -> list[Owner]:
+        """The owners whose constraints and restrictions together cause the inconsistency. Call before undoing it.
+
+        Every reason is followed back through the log of changes and the temporal network's reason chains; the
+        set that results is sufficient, not necessarily minimal.
+        """
+        from planner.constraints.explanation import explain
+
+        return explain(self, inconsistency)
+
+    def change(self, index: int) -> tuple[Owner, Moment, int]:
+        """An entry of the log: its reason, the moment, the index of the variable's change before that or -1."""
+        _, _, because, previous, edges = self._changes[index]
+        return because, Moment(index, edges), previous
+
+    # Queue
+
+    def _watch_time(self, timepoint: int, variable: AnyVariable) -> None:
+        variables = self._time_watchers.get(timepoint)
+        if variables is None:
+            self.temporal.watch(timepoint)
+            self.trail.add(self._time_watchers, timepoint, [variable])
+        elif not any(v is variable for v in variables):
+            self.trail.append(variables, variable)
+
+    def _enqueue(self, propagator: Propagator) -> None:
+        if not propagator.queued:
+            propagator.queued = True
+            self._queue.append(propagator)
+
+    def _enqueue_all(self, propagators: Sequence[Propagator]) -> None:
+        for propagator in propagators:
+            if not propagator.queued:
+                propagator.queued = True
+                self._queue.append(propagator)
+
+    def _clear_queue(self) -> None:
+        for propagator in self._queue:
+            propagator.queued = False
+        self._queue.clear()
+
+
+def ticks(value: float) -> int:
+    """A bound for the temporal network."""
+    if value == math.inf:
+        return INFINITY
+    return -INFINITY if value == -math.inf else int(value)

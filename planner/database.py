@@ -1,0 +1,53 @@
+"""PlanDatabase: one trail and the managers on it; the search engine's whole view of a partial plan."""
+
+from __future__ import annotations
+
+import math
+
+from planner.constraints.network import ConstraintNetworkManager
+from planner.domains import Interval
+from planner.model.manager import ModelManager
+from planner.problem import TokenPattern
+from planner.temporal.network import TemporalNetworkManager
+from planner.tokens.manager import TokenNetworkManager
+from planner.tokens.statements import apply_pattern
+from planner.tokens.token import Role, Token
+from planner.trail import Trail
+
+
+class PlanDatabase:
+    """A partial plan for a model over a horizon [start, end] in ticks."""
+
+    def __init__(self, model: ModelManager, horizon: tuple[int, int]) -> None:
+        self.model = model
+        self.horizon = horizon
+        self.trail = Trail()
+        self.temporal = TemporalNetworkManager()
+        self.trail.join(_Kernel(self.temporal))
+        self.network = ConstraintNetworkManager(self.trail, self.temporal)
+        self.tokens = TokenNetworkManager(model, self.network, self.trail)
+
+    def state(self, pattern: TokenPattern, name: str, role: Role) -> Token:
+        """Add a token that the problem states; the caller propagates.
+
+        A goal lies inside the horizon. A token of the initial state or a fact without a start of its own begins
+        with the horizon.
+        """
+        declared = self.model.predicate_named(pattern.predicate)
+        token = self.tokens.create((declared.cls, declared.name), name, role, name)
+        apply_pattern(self.tokens, token, pattern)
+        start, end = self.horizon
+        if role in ("goal", "rejectable"):
+            self.network.restrict(token.start, Interval(start, math.inf), "horizon")
+            self.network.restrict(token.end, Interval(-math.inf, end), "horizon")
+        elif pattern.start == (None, None):
+            self.network.restrict(token.start, Interval(start, start), "horizon")
+        return token
+
+
+class _Kernel:
+    """The temporal network as a participant of the trail."""
+
+    def __init__(self, temporal: TemporalNetworkManager) -> None:
+        self.mark = temporal.mark
+        self.undo_to = temporal.undo_to

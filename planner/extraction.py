@@ -1,0 +1,150 @@
+"""From a complete plan database to a FlexiblePlan: hosts, slots, bounds, every temporal constraint with its reason."""
+
+from __future__ import annotations
+
+from planner.constraints.network import Owner
+from planner.database import PlanDatabase
+from planner.domains import Domain, Interval
+from planner.model.classes import ModelObject
+from planner.plan import (
+    ORIGIN,
+    Bound,
+    Bounds,
+    FlexiblePlan,
+    ParameterValue,
+    PlanConstraint,
+    PlanTimeline,
+    PlanToken,
+    Value,
+)
+from planner.temporal.network import INFINITY
+from planner.tokens.token import Token, TokenState
+
+_UNBOUNDED = 1 << 49
+"""Bounds from here on are the temporal network's way of saying that there is none."""
+
+
+def extract(database: PlanDatabase) -> FlexiblePlan:
+    """The flexible plan that the database holds."""
+    tokens = [t for t in database.tokens.tokens if t.state in (TokenState.ACTIVE, TokenState.MERGED)]
+    ids = {id(t): f"t{n}" for n, t in enumerate(tokens)}
+    merged: dict[int, list[Token]] = {}
+    for token in tokens:
+        if token.host is not None:
+            merged.setdefault(id(host_of(token)), []).append(token)
+    timelines = []
+    for timeline in database.tokens.timelines.values():
+        slots = (tuple(ids[id(t)] for t in [host, *merged.get(id(host), ())]) for host in timeline.sequence)
+        timelines.append(PlanTimeline(timeline.object.name, timeline.attribute, tuple(slots)))
+    constraints, distances = _constraints(database, tokens, ids)
+    return FlexiblePlan(
+        model=database.model.name,
+        horizon=database.horizon,
+        objects=tuple(database.model.objects),
+        timelines=tuple(timelines),
+        tokens=tuple(_token(database, t, ids, distances) for t in tokens),
+        constraints=constraints,
+    )
+
+
+def host_of(token: Token) -> Token:
+    """The active token that this one is, in the end, codesignated with."""
+    while token.host is not None:
+        token = token.host
+    return token
+
+
+def _token(database: PlanDatabase, token: Token, ids: dict[int, str], distances: dict[str, Bounds]) -> PlanToken:
+    temporal = database.temporal
+    host = host_of(token)
+    stated = host.duration.stated
+    duration = _finite(stated.lower), _finite(stated.upper)
+    if not host.contingent:
+        duration = _tighter(duration, distances.get(ids[id(host)], (None, None)))
+    return PlanToken(
+        id=ids[id(token)],
+        object=token.thing.name,
+        attribute=token.predicate.attribute,
+        predicate=token.predicate.full_name,
+        parameters={name: _value(variable.domain) for name, variable in token.parameters.items()},
+        start=(_finite(temporal.lower(token.start.timepoint)), _finite(temporal.upper(token.start.timepoint))),
+        end=(_finite(temporal.lower(token.end.timepoint)), _finite(temporal.upper(token.end.timepoint))),
+        duration=duration,
+        contingent=host.contingent,
+        goal=token.name if token.role in ("goal", "rejectable") else None,
+        fact=token.role == "fact",
+        master=ids.get(id(token.master)) if token.master is not None else None,
+    )
+
+
+def _constraints(
+    database: PlanDatabase, tokens: list[Token], ids: dict[int, str]
+) -> tuple[tuple[PlanConstraint, ...], dict[str, Bounds]]:
+    """The constraints between timepoints of hosts, one a pair, and those that bound a host's own duration."""
+    names = {0: ORIGIN}
+    for token in tokens:
+        host = ids[id(host_of(token))]
+        names[token.start.timepoint] = f"{host}.start"
+        names[token.end.timepoint] = f"{host}.end"
+    by_id = {ids[id(t)]: t for t in tokens}
+    bounds: dict[tuple[str, str], Bounds] = {}
+    reasons: dict[tuple[str, str], dict[str, None]] = {}
+    distances: dict[str, Bounds] = {}
+    for _, from_, to, minimum, maximum, owner in database.temporal.constraints():
+        if from_ not in names or to not in names or names[from_] == names[to]:
+            continue
+        pair, found = (names[from_], names[to]), (_finite(minimum), _finite(maximum))
+        if (reverse := (pair[1], pair[0])) in bounds:
+            pair, found = reverse, (_negated(found[1]), _negated(found[0]))
+        one, two = pair[0].partition("."), pair[1].partition(".")
+        if one[0] == two[0] and one[2] == "start":
+            distances[one[0]] = _tighter(distances.get(one[0], (None, None)), found)
+            owner_of_both = by_id[one[0]]
+            stated = owner_of_both.duration.stated
+            if not owner_of_both.contingent or found == (_finite(stated.lower), _finite(stated.upper)):
+                continue
+        bounds[pair] = _tighter(bounds.get(pair, (None, None)), found)
+        reasons.setdefault(pair, {})[_why(database.network.stakeholder_named(owner))] = None
+    listed = tuple(
+        PlanConstraint(*pair, *bound, "; ".join(reasons[pair]))
+        for pair, bound in bounds.items()
+        if bound != (None, None)
+    )
+    return listed, distances
+
+
+def _why(owner: Owner) -> str:
+    return owner if isinstance(owner, str) else repr(owner)
+
+
+def _finite(value: float) -> Bound:
+    return int(value) if -_UNBOUNDED < value < _UNBOUNDED else None
+
+
+def _negated(bound: Bound) -> Bound:
+    return None if bound is None else -bound
+
+
+def _tighter(one: Bounds, two: Bounds) -> Bounds:
+    lows = [b for b in (one[0], two[0]) if b is not None]
+    highs = [b for b in (one[1], two[1]) if b is not None]
+    return max(lows, default=None), min(highs, default=None)
+
+
+def _value(domain: Domain) -> ParameterValue:
+    if domain.is_singleton:
+        return _plain(domain.value)
+    if isinstance(domain, Interval):
+        return {"min": _number(domain.lower), "max": _number(domain.upper)}
+    return tuple(_plain(v) for v in domain.values())
+
+
+def _plain(value: object) -> Value:
+    if isinstance(value, ModelObject):
+        return value.name
+    assert isinstance(value, bool | int | float | str)
+    return value
+
+
+def _number(value: float) -> float | None:
+    return value if abs(value) < INFINITY else None

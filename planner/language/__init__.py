@@ -1,0 +1,1 @@
+"""Front ends that fill the model manager: the Python builder."""

@@ -1,0 +1,340 @@
+"""The Python builder: a domain model written as it reads.
+
+    model = ModelBuilder("camera and engine", STANDARD)
+    asteroid = model.enumeration("Asteroid", ["Gaspra", "Ida"])
+    engine, camera, attitude = (model.timeline(name) for name in ("Engine", "Camera", "Attitude"))
+    off = engine.predicate("off")
+    ready = camera.predicate("ready")
+    picture = camera.predicate("picture", {"asteroid": asteroid})
+    point_at = attitude.predicate("pointAt", {"asteroid": asteroid})
+
+    with picture.requires() as this:                                    # the paper's Figure 2
+        this.contained_by(off)
+        this.contained_by(point_at, asteroid=this.asteroid)
+        this.before(ready, bounds=(0, 0))
+        this.after(ready, bounds=(0, 0))
+
+Everything here only calls `ModelManager.add_...`, so this is also the documentation of that interface by example.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from planner.constraints.procedure import ProcedureRegistry
+from planner.domains import Domain
+from planner.errors import ModelError, nearest
+from planner.model.classes import ModelObject, Parameter, Type
+from planner.model.manager import STATE, ModelManager
+from planner.model.rules import (
+    Apply,
+    Constant,
+    Expression,
+    Guard,
+    Local,
+    OneOf,
+    Ref,
+    Relate,
+    Require,
+    Rule,
+    Statement,
+    Subgoal,
+)
+
+Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Term:
+    """An expression in a rule; arithmetic and comparison make larger ones."""
+
+    expression: Expression
+
+    def __add__(self, other: Operand) -> Term:
+        return Term(Apply("addEq", (self.expression, _expression(other))))
+
+    def __mul__(self, other: Operand) -> Term:
+        return Term(Apply("mulEq", (self.expression, _expression(other))))
+
+    def __eq__(self, other: object) -> Test:  # type: ignore[override]
+        return Test("eq", (self.expression, _expression(other)))
+
+    def __ne__(self, other: object) -> Test:  # type: ignore[override]
+        return Test("neq", (self.expression, _expression(other)))
+
+    def __le__(self, other: Operand) -> Test:
+        return Test("leq", (self.expression, _expression(other)))
+
+    def __lt__(self, other: Operand) -> Test:
+        return Test("lt", (self.expression, _expression(other)))
+
+    def __hash__(self) -> int:
+        return hash(self.expression)
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """A relation between terms: required, or the test of a guard."""
+
+    procedure: str
+    arguments: tuple[Expression, ...]
+
+
+Operand = Any
+"""A Term, a model object, or a plain value."""
+
+
+def _expression(operand: object) -> Expression:
+    return operand.expression if isinstance(operand, Term) else Constant(operand)
+
+
+class ModelBuilder:
+    """Builds one model. `procedures`: the constraint procedures that its rules may name."""
+
+    def __init__(self, name: str, procedures: ProcedureRegistry) -> None:
+        self.manager = ModelManager(name, procedures)
+
+    def enumeration(self, name: str, values: Iterable[Any]) -> str:
+        """Name a finite set of labels or numbers, in the order in which a search should try them."""
+        self.manager.add_enumeration(name, values)
+        return name
+
+    def timeline(self, name: str, members: Mapping[str, Type] | None = None) -> ClassBuilder:
+        """A class whose objects have one attribute, called `state`."""
+        self.manager.add_class(name, "Timeline", members)
+        return ClassBuilder(self, name)
+
+    def component(
+        self, name: str, attributes: Sequence[str], members: Mapping[str, Type] | None = None
+    ) -> ClassBuilder:
+        """A class whose objects have several attributes."""
+        self.manager.add_class(name, "Object", members)
+        for attribute in attributes:
+            self.manager.add_attribute(name, attribute)
+        return ClassBuilder(self, name)
+
+    def object(self, name: str, cls: str, members: Mapping[str, Any] | None = None) -> ModelObject:
+        """An instance of a class."""
+        return self.manager.add_object(name, cls, members)
+
+    def finish(self) -> ModelManager:
+        """The model, closed to new objects."""
+        self.manager.close()
+        return self.manager
+
+
+class ClassBuilder:
+    """A model class under construction."""
+
+    def __init__(self, builder: ModelBuilder, name: str) -> None:
+        self._builder = builder
+        self.name = name
+
+    def predicate(
+        self,
+        name: str,
+        parameters: Mapping[str, Type] | None = None,
+        *,
+        attribute: str = STATE,
+        duration: Bounds = (1, math.inf),
+        contingent: bool = False,
+        exogenous: bool = False,
+    ) -> PredicateBuilder:
+        """A value that the attribute may have. `contingent`: nature decides the duration within its bounds.
+        `exogenous`: no plan brings it about."""
+        listed = tuple(Parameter(n, t) for n, t in (parameters or {}).items())
+        self._builder.manager.add_predicate(
+            self.name,
+            name,
+            listed,
+            attribute=attribute,
+            duration=duration,
+            contingent=contingent,
+            exogenous=exogenous,
+        )
+        return PredicateBuilder(self._builder.manager, self.name, name)
+
+    def predicate_of(self, cls: str, name: str) -> PredicateBuilder:
+        """A predicate of another class, to be declared by the time that the model is finished."""
+        return PredicateBuilder(self._builder.manager, cls, name)
+
+
+class PredicateBuilder:
+    """A predicate, by which rules refer to it and which rules are stated for."""
+
+    def __init__(self, manager: ModelManager, cls: str, name: str, target: Ref | None = None) -> None:
+        self._manager = manager
+        self.cls = cls
+        self.name = name
+        self.target = target
+
+    def __repr__(self) -> str:
+        return f"{self.cls}.{self.name}"
+
+    def of(self, thing: ModelObject | str) -> PredicateBuilder:
+        """The predicate of one object, or of the one that the rule's object has as the member of that name."""
+        path = ("object", thing) if isinstance(thing, str) else (thing.name,)
+        return PredicateBuilder(self._manager, self.cls, self.name, Ref(path))
+
+    @contextmanager
+    def requires(self, where: str = "") -> Iterator[RuleBuilder]:
+        """State a configuration constraint: what must hold whenever this is the attribute's value."""
+        statements: list[Statement] = []
+        yield RuleBuilder(self._manager, self, statements, "")
+        label = where or f"configuration constraint of {self!r}"
+        self._manager.add_rule(Rule((self.cls, self.name), tuple(statements), label))
+
+
+class RuleBuilder:
+    """The statements of one rule, or of a branch of it. Parameters and times of the token are its attributes."""
+
+    def __init__(
+        self, manager: ModelManager, predicate: PredicateBuilder, statements: list[Statement], prefix: str
+    ) -> None:
+        self._manager = manager
+        self._predicate = predicate
+        self._statements = statements
+        self._prefix = prefix
+
+    def __getattr__(self, name: str) -> Term:
+        return Term(Ref((_checked(self._manager, self._predicate, name),)))
+
+    def relation(
+        self, relation: str, target: PredicateBuilder, /, bounds: Bounds | Sequence[Bounds] = (), **equal: Operand
+    ) -> TokenBuilder:
+        """A token of the target predicate stands in a temporal relation to this one; parameters equal those given."""
+        name = f"{self._prefix}{target.name}{len(self._statements)}"
+        pairs = _pairs(bounds)
+        self._statements.append(Subgoal(relation, (target.cls, target.name), name, target.target, pairs))
+        token = TokenBuilder(self._manager, target, name)
+        for parameter, value in equal.items():
+            self.require(getattr(token, parameter) == value)
+        return token
+
+    def meets(self, target: PredicateBuilder, /, **equal: Operand) -> TokenBuilder:
+        """The target begins at this token's end."""
+        return self.relation("meets", target, (), **equal)
+
+    def met_by(self, target: PredicateBuilder, /, **equal: Operand) -> TokenBuilder:
+        """The target ends at this token's start."""
+        return self.relation("met_by", target, (), **equal)
+
+    def contained_by(self, target: PredicateBuilder, /, **equal: Operand) -> TokenBuilder:
+        """The target lasts through all of this token."""
+        return self.relation("contained_by", target, (), **equal)
+
+    def contains(
+        self, target: PredicateBuilder, /, bounds: Bounds | Sequence[Bounds] = (), **equal: Operand
+    ) -> TokenBuilder:
+        """The target lies within this token."""
+        return self.relation("contains", target, bounds, **equal)
+
+    def before(
+        self, target: PredicateBuilder, /, bounds: Bounds | Sequence[Bounds] = (), **equal: Operand
+    ) -> TokenBuilder:
+        """This token ends before the target starts, within the bounds."""
+        return self.relation("before", target, bounds, **equal)
+
+    def after(
+        self, target: PredicateBuilder, /, bounds: Bounds | Sequence[Bounds] = (), **equal: Operand
+    ) -> TokenBuilder:
+        """This token starts after the target ends, within the bounds."""
+        return self.relation("after", target, bounds, **equal)
+
+    def equals(self, target: PredicateBuilder, /, **equal: Operand) -> TokenBuilder:
+        """The target starts and ends with this token."""
+        return self.relation("equals", target, (), **equal)
+
+    def relate(
+        self, relation: str, origin: TokenBuilder, target: TokenBuilder, bounds: Bounds | Sequence[Bounds] = ()
+    ) -> None:
+        """A temporal relation between two tokens named here."""
+        self._statements.append(Relate(relation, origin.name, target.name, _pairs(bounds)))
+
+    def require(self, test: Test) -> None:
+        """A relation between terms holds."""
+        self._statements.append(Require(test.procedure, test.arguments))
+
+    def constrain(self, procedure: str, *arguments: Operand) -> None:
+        """The constraint procedure of that name holds over the arguments."""
+        self._manager.procedures.get(procedure).check_scope(len(arguments))
+        self._statements.append(Require(procedure, tuple(_expression(a) for a in arguments)))
+
+    def local(self, name: str, type_: str | Domain) -> Term:
+        """A local variable; one of a class ranges over its instances: there is one such that ..."""
+        self._statements.append(Local(name, type_))
+        return Term(Ref((name,)))
+
+    @contextmanager
+    def when(self, test: Test) -> Iterator[RuleBuilder]:
+        """What is stated inside applies once the test is decided true."""
+        statements: list[Statement] = []
+        yield RuleBuilder(self._manager, self._predicate, statements, f"{self._prefix}when{len(self._statements)}.")
+        self._statements.append(Guard(test.procedure, test.arguments, tuple(statements)))
+
+    @contextmanager
+    def either(self) -> Iterator[AlternativesBuilder]:
+        """At least one of the alternatives applies; which one, the search chooses, the first one first."""
+        name = f"{self._prefix}either{len(self._statements)}"
+        alternatives = AlternativesBuilder(self._manager, self._predicate, name)
+        yield alternatives
+        if not alternatives.branches:
+            raise ModelError(f"either of {self._predicate!r}: expected at least one alternative")
+        self._statements.append(OneOf(name, tuple(map(tuple, alternatives.branches))))
+
+    def relation_to_one_of(
+        self, relation: str, targets: Sequence[PredicateBuilder], bounds: Bounds | Sequence[Bounds] = ()
+    ) -> None:
+        """A token of one of the targets stands in the relation to this one: a set of allowed values."""
+        with self.either() as alternatives:
+            for target in targets:
+                with alternatives.alternative() as alternative:
+                    alternative.relation(relation, target, bounds)
+
+
+class AlternativesBuilder:
+    """The alternatives of an `either`."""
+
+    def __init__(self, manager: ModelManager, predicate: PredicateBuilder, name: str) -> None:
+        self._manager = manager
+        self._predicate = predicate
+        self._name = name
+        self.branches: list[list[Statement]] = []
+
+    @contextmanager
+    def alternative(self) -> Iterator[RuleBuilder]:
+        """What is stated inside is one alternative."""
+        self.branches.append([])
+        prefix = f"{self._name}.{len(self.branches)}."
+        yield RuleBuilder(self._manager, self._predicate, self.branches[-1], prefix)
+
+
+class TokenBuilder:
+    """A token named in a rule; its parameters and times are its attributes."""
+
+    def __init__(self, manager: ModelManager, predicate: PredicateBuilder, name: str) -> None:
+        self._manager = manager
+        self._predicate = predicate
+        self.name = name
+
+    def __getattr__(self, name: str) -> Term:
+        return Term(Ref((self.name, _checked(self._manager, self._predicate, name))))
+
+
+def _checked(manager: ModelManager, predicate: PredicateBuilder, name: str) -> str:
+    known = [p.name for p in manager.predicate(predicate.cls, predicate.name).parameters]
+    known += ["start", "end", "duration", "object"]
+    known += list(manager.members_of(predicate.cls))
+    if name not in known:
+        raise ModelError(f"{predicate!r} has no variable {name!r}{nearest(name, known)}")
+    return name
+
+
+def _pairs(bounds: Bounds | Sequence[Bounds]) -> tuple[Bounds, ...]:
+    if len(bounds) == 2 and not isinstance(bounds[0], tuple):
+        return ((bounds[0], bounds[1]),)  # type: ignore[return-value]
+    return tuple(bounds)  # type: ignore[arg-type]

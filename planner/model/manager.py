@@ -1,0 +1,240 @@
+"""ModelManager (paper, section 4): the input interface for a domain model, and the answers about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from planner.constraints.procedure import ProcedureRegistry
+from planner.domains import BOOLEAN, Domain, Interval, Universe, Values
+from planner.errors import ModelError, nearest
+from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
+from planner.model.rules import Rule, Statement
+
+BASIC: dict[str, Domain] = {
+    "int": Interval(-math.inf, math.inf),
+    "float": Interval(-math.inf, math.inf, integer=False),
+    "bool": BOOLEAN.domain(),
+}
+# The attribute that a timeline class has when it names none, as in NDDL, where class and attribute are one.
+STATE = "state"
+
+
+class ModelManager:
+    """A domain model: filled by a front end through `add_...`, then asked by the planner.
+
+    Every `add_...` raises ModelError when a name is taken or unknown, with the nearest names that exist.
+    """
+
+    def __init__(self, name: str, procedures: ProcedureRegistry) -> None:
+        self.name = name
+        self.procedures = procedures
+        self.enumerations: dict[str, Universe] = {}
+        self.strings = Universe("string", (), is_open=True)
+        self.objects: dict[str, ModelObject] = {}
+        self._object_universe = Universe("object", (), is_open=True)
+        self._classes: dict[str, ModelClass] = {}
+        self._aliases: dict[str, Domain] = {}
+        self._rules: dict[tuple[str, str], tuple[Rule, ...]] = {}
+        for built_in, parent in (("Object", None), ("Timeline", "Object"), ("Reusable", "Object")):
+            self._classes[built_in] = ModelClass(built_in, parent)
+        self._classes["Timeline"].attributes[STATE] = Attribute(STATE)
+        self._classes["Reusable"].attributes["level"] = Attribute("level", "reusable")
+        self._classes["Reusable"].members.update(capacity="int", level_min="int")
+        quantity = Parameter("quantity", Interval(0, math.inf, integer=False))
+        self.add_predicate("Reusable", "uses", (quantity,), attribute="level")
+
+    # Input
+
+    def add_enumeration(self, name: str, values: Iterable[Any]) -> Universe:
+        """Name a finite set of values: labels or numbers."""
+        self._check_free(name, "type")
+        self.enumerations[name] = Universe(name, values)
+        return self.enumerations[name]
+
+    def add_type(self, name: str, domain: Domain) -> None:
+        """Name a domain."""
+        self._check_free(name, "type")
+        self._aliases[name] = domain
+
+    def add_class(self, name: str, parent: str = "Object", members: Mapping[str, Type] | None = None) -> None:
+        """Add a class under a parent, with members of these types besides the inherited ones."""
+        self._check_free(name, "class")
+        self.class_named(parent)
+        self._classes[name] = ModelClass(name, parent, members=dict(members or {}))
+
+    def add_attribute(self, cls: str, name: str, kind: Kind = "timeline") -> None:
+        """Add an attribute: one timeline (or resource) for each object of the class."""
+        attributes = self.class_named(cls).attributes
+        if name in attributes:
+            raise ModelError(f"class {cls}: attribute {name!r} is declared twice")
+        attributes[name] = Attribute(name, kind)
+
+    def add_predicate(
+        self,
+        cls: str,
+        name: str,
+        parameters: Sequence[Parameter] = (),
+        *,
+        attribute: str = STATE,
+        body: Sequence[Statement] = (),
+        duration: tuple[float, float] = (1, math.inf),
+        contingent: bool = False,
+        exogenous: bool = False,
+    ) -> Predicate:
+        """Add a value pattern to an attribute of a class (an attribute not declared is an unordered one)."""
+        owner = self.class_named(cls)
+        if name in owner.predicates:
+            raise ModelError(f"class {cls}: predicate {name!r} is declared twice")
+        for parameter in parameters:
+            self.domain_of(parameter.type)
+        if not 0 <= duration[0] <= duration[1]:
+            raise ModelError(f"{cls}.{name}: expected a duration of 0 <= minimum <= maximum, found {duration}")
+        if contingent and math.isinf(duration[1]):
+            raise ModelError(f"{cls}.{name}: a contingent duration needs a finite maximum")
+        owner.predicates[name] = Predicate(
+            cls, name, attribute, tuple(parameters), tuple(body), duration, contingent, exogenous
+        )
+        return owner.predicates[name]
+
+    def add_rule(self, rule: Rule) -> None:
+        """Add a configuration constraint schema; a predicate may have several, and inherits its parents'."""
+        cls, predicate = rule.owner
+        self.predicate(cls, predicate)
+        self.class_named(cls).rules.setdefault(predicate, []).append(rule)
+        self._rules.clear()
+
+    def add_object(self, name: str, cls: str, members: Mapping[str, Any] | None = None) -> ModelObject:
+        """Add an instance of a class, with values for its members."""
+        self.class_named(cls)
+        if name in self.objects:
+            raise ModelError(f"object {name!r} is declared twice")
+        known = self.members_of(cls)
+        for member in members or {}:
+            if member not in known:
+                raise ModelError(f"object {name}: class {cls} has no member {member!r}{nearest(member, known)}")
+        self.objects[name] = ModelObject(name, cls, dict(members or {}))
+        self._object_universe.add(self.objects[name])
+        return self.objects[name]
+
+    def close(self) -> None:
+        """End the creation of objects: from here on object variables range over those there are."""
+        self._object_universe.is_open = False
+
+    # Information
+
+    def class_named(self, name: str) -> ModelClass:
+        """The class of that name."""
+        try:
+            return self._classes[name]
+        except KeyError:
+            raise ModelError(f"there is no class named {name!r}{nearest(name, self._classes)}") from None
+
+    def classes(self) -> Iterator[ModelClass]:
+        """All classes in order of declaration, the built-in ones first."""
+        return iter(self._classes.values())
+
+    def lineage(self, cls: str) -> Iterator[ModelClass]:
+        """The class, its parent, and so on up."""
+        name: str | None = cls
+        while name is not None:
+            found = self.class_named(name)
+            yield found
+            name = found.parent
+
+    def is_subclass(self, cls: str, ancestor: str) -> bool:
+        """Whether the class is the ancestor or below it."""
+        return any(c.name == ancestor for c in self.lineage(cls))
+
+    def members_of(self, cls: str) -> dict[str, Type]:
+        """Members with their types, inherited ones included."""
+        members: dict[str, Type] = {}
+        for found in self.lineage(cls):
+            members = found.members | members
+        return members
+
+    def attributes_of(self, cls: str) -> dict[str, Attribute]:
+        """Attributes by name, inherited ones included."""
+        attributes: dict[str, Attribute] = {}
+        for found in self.lineage(cls):
+            attributes = found.attributes | attributes
+        return attributes
+
+    def predicates_of(self, cls: str) -> dict[str, Predicate]:
+        """Predicates by name, inherited ones included."""
+        predicates: dict[str, Predicate] = {}
+        for found in self.lineage(cls):
+            predicates = found.predicates | predicates
+        return predicates
+
+    def predicate(self, cls: str, name: str) -> Predicate:
+        """A predicate of the class or of one it inherits from."""
+        for found in self.lineage(cls):
+            if name in found.predicates:
+                return found.predicates[name]
+        known = self.predicates_of(cls)
+        raise ModelError(f"class {cls} has no predicate named {name!r}{nearest(name, known)}")
+
+    def predicate_named(self, full_name: str) -> Predicate:
+        """The predicate of a name `Class.predicate`."""
+        cls, dot, name = full_name.partition(".")
+        if not dot:
+            raise ModelError(f"expected a predicate as Class.predicate, found {full_name!r}")
+        return self.predicate(cls, name)
+
+    def kind_of(self, predicate: Predicate) -> Kind:
+        """What tokens of the predicate's attribute mean to each other."""
+        attribute = self.attributes_of(predicate.cls).get(predicate.attribute)
+        return attribute.kind if attribute else "unordered"
+
+    def rules_for(self, cls: str, predicate: str) -> tuple[Rule, ...]:
+        """The configuration constraint schemata of a predicate as tokens of this class have it, inherited ones last."""
+        key = (cls, predicate)
+        if key not in self._rules:
+            self._rules[key] = tuple(r for c in self.lineage(cls) for r in c.rules.get(predicate, ()))
+        return self._rules[key]
+
+    def applicable(self, values: Iterable[tuple[str, str]]) -> frozenset[Rule]:
+        """The schemata that apply while attributes have values of these predicates, each given as (class, name)."""
+        return frozenset(rule for cls, name in values for rule in self.rules_for(cls, name))
+
+    def changes(
+        self, before: Iterable[tuple[str, str]], after: Iterable[tuple[str, str]]
+    ) -> tuple[frozenset[Rule], frozenset[Rule]]:
+        """The schemata that come to apply, and those that cease to, between two sets of attribute values."""
+        old, new = self.applicable(before), self.applicable(after)
+        return new - old, old - new
+
+    def objects_of(self, cls: str) -> Values:
+        """The instances of a class and of those below it, as a domain."""
+        self.class_named(cls)
+        return self._object_universe.domain(o for o in self.objects.values() if self.is_subclass(o.cls, cls))
+
+    def object_named(self, name: str) -> ModelObject:
+        """The object of that name."""
+        try:
+            return self.objects[name]
+        except KeyError:
+            raise ModelError(f"there is no object named {name!r}{nearest(name, self.objects)}") from None
+
+    def domain_of(self, type_: Type) -> Domain:
+        """The domain of a type, by name or as it stands."""
+        if not isinstance(type_, str):
+            return type_
+        if type_ in BASIC:
+            return BASIC[type_]
+        if type_ == "string":
+            return self.strings.domain()
+        if type_ in self.enumerations:
+            return self.enumerations[type_].domain()
+        if type_ in self._aliases:
+            return self._aliases[type_]
+        if type_ in self._classes:
+            return self.objects_of(type_)
+        known = [*BASIC, "string", *self.enumerations, *self._aliases, *self._classes]
+        raise ModelError(f"there is no type named {type_!r}{nearest(type_, known)}")
+
+    def _check_free(self, name: str, what: str) -> None:
+        if name in BASIC or name in self.enumerations or name in self._aliases or name in self._classes:
+            raise ModelError(f"{what} {name!r}: the name is already taken")

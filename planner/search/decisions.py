@@ -1,0 +1,121 @@
+"""Decisions: the paper's operations as values. Each is the owner of what it posts, so explanations can name it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from planner.constraints.network import Variable
+from planner.database import PlanDatabase
+from planner.domains import Domain
+from planner.model.classes import ModelObject
+from planner.tokens.token import Token
+
+
+class Decision(Protocol):
+    """One way to resolve a flaw."""
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Carry it out and propagate; Inconsistency when it leads nowhere."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Insert:
+    """Insert a token into an empty slot of a timeline: the one at `position` of the sequence as it stands."""
+
+    token: Token
+    object: ModelObject
+    position: int
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Decide the object, take the slot, instantiate the configuration constraints."""
+        tokens = database.tokens
+        database.network.restrict(self.token.object, tokens.domain_of_object(self.object), self)
+        tokens.insert(self.token, self.position, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"insert {self.token.name} on {self.object}.{self.token.predicate.attribute} at {self.position}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Activate:
+    """Make a token of an attribute without order active on an object."""
+
+    token: Token
+    object: ModelObject
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Decide the object and instantiate the configuration constraints."""
+        database.network.restrict(self.token.object, database.tokens.domain_of_object(self.object), self)
+        database.tokens.activate(self.token)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"activate {self.token.name} on {self.object}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Codesignate:
+    """Let a token be one with a host that is already on its timeline."""
+
+    token: Token
+    host: Token
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Equate all variables of the two."""
+        database.tokens.merge(self.token, self.host, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"codesignate {self.token.name} with {self.host.name}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reject:
+    """Leave a rejectable token out of the plan."""
+
+    token: Token
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Reject it."""
+        database.tokens.reject(self.token)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"reject {self.token.name}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Assign:
+    """Assign one value to a variable."""
+
+    variable: Variable
+    value: Any
+    domain: Domain
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Restrict the variable's domain to the value."""
+        database.network.restrict(self.variable, self.domain, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"assign {self.variable.name} = {self.value}"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Order:
+    """Let one token end before another starts, so that they do not use a resource together."""
+
+    first: Token
+    second: Token
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Post the precedence."""
+        database.network.distance(self.first.end, self.second.start, 0, math.inf, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"order {self.first.name} before {self.second.name}"

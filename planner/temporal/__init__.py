@@ -1,0 +1,1 @@
+"""Time: timepoints, the compiled kernel and its manager; networks with uncertainty, their controllability and dispatch."""

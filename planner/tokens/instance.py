@@ -1,0 +1,229 @@
+"""Instances of configuration constraint schemata: their statements carried out on the network, their guards watched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from planner.constraints.network import (
+    AnyVariable,
+    ConstraintNetworkManager,
+    DurationVariable,
+    Owner,
+    TimeVariable,
+)
+from planner.domains import Universe, singleton
+from planner.errors import ModelError
+from planner.model.classes import ModelObject, objects_in
+from planner.model.relations import Distance, distances
+from planner.model.rules import (
+    Apply,
+    Constant,
+    Expression,
+    Guard,
+    Local,
+    OneOf,
+    Ref,
+    Relate,
+    Require,
+    Statement,
+    Subgoal,
+)
+from planner.tokens.token import Token
+
+if TYPE_CHECKING:
+    from planner.tokens.manager import TokenNetworkManager
+
+Named = Token | AnyVariable | ModelObject
+
+
+class RuleInstance:
+    """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people."""
+
+    __slots__ = ("label", "names", "parent", "token")
+
+    def __init__(self, label: str, token: Token | None, parent: RuleInstance | None = None) -> None:
+        self.label = label
+        self.token = token
+        self.parent = parent
+        self.names: dict[str, Named] = {}
+
+    def find(self, name: str) -> Named | None:
+        """What a name means here: in this body, in those around it, or as a variable of the token."""
+        scope: RuleInstance | None = self
+        while scope is not None:
+            if name in scope.names:
+                return scope.names[name]
+            scope = scope.parent
+        return self.token.variable(name) if self.token is not None else None
+
+    def __repr__(self) -> str:
+        return f"{self.label} of {self.token.name}" if self.token is not None else self.label
+
+
+class GuardInstance:
+    """A guard on watch: acts once when its test is decided."""
+
+    __slots__ = ("fired", "guard", "instance", "manager", "owner", "queued", "scope", "test")
+
+    def __init__(
+        self, manager: TokenNetworkManager, guard: Guard, scope: Sequence[AnyVariable], instance: RuleInstance
+    ) -> None:
+        self.manager = manager
+        self.guard = guard
+        self.scope = scope
+        self.instance = instance
+        self.owner: Owner = instance
+        self.queued = False
+        self.fired = False
+        self.test = manager.model.procedures.get(guard.test)
+
+    def run(self, network: ConstraintNetworkManager) -> None:
+        """Apply the branch that the test chose, if it is decided."""
+        if self.fired:
+            return
+        domains = [variable.domain for variable in self.scope]
+        narrowed = self.test.narrow(domains)
+        if narrowed is None:
+            branch = self.guard.otherwise
+        elif all(domain.is_singleton and not domain.is_open for domain in domains):
+            branch = self.guard.then
+        else:
+            return
+        network.trail.assign(self, "fired", True)
+        if branch:
+            self.manager.carry_out(branch, RuleInstance(self.instance.label, self.instance.token, self.instance))
+
+
+def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], instance: RuleInstance) -> None:
+    """Carry out statements in order for an instance."""
+    for statement in statements:
+        _CARRY_OUT[type(statement)](manager, statement, instance)  # type: ignore[operator]
+
+
+def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleInstance) -> None:
+    master = instance.token
+    name = f"{master.name}/{statement.name}" if master is not None else statement.name
+    token = manager.create(statement.predicate, name, "subgoal", instance, master)
+    instance.names[statement.name] = token
+    if statement.target is not None:
+        target = resolve(manager, statement.target, instance)
+        if isinstance(target, Token):
+            raise ModelError(f"{instance.label}: {statement.target!r} is a token, expected an object")
+        if isinstance(target, ModelObject):
+            manager.network.restrict(token.object, manager.domain_of_object(target), instance)
+        else:
+            manager.require("eq", (token.object, target), instance)
+    if master is not None:
+        relate(manager, distances(statement.relation, statement.bounds), master, token, instance)
+
+
+def _relate(manager: TokenNetworkManager, statement: Relate, instance: RuleInstance) -> None:
+    tokens = []
+    for name in (statement.origin, statement.target):
+        found = instance.token if name == "this" else instance.find(name)
+        if not isinstance(found, Token):
+            raise ModelError(f"{instance.label}: {name!r} is not a token")
+        tokens.append(found)
+    relate(manager, distances(statement.relation, statement.bounds), tokens[0], tokens[1], instance)
+
+
+def relate(manager: TokenNetworkManager, table: Sequence[Distance], origin: Token, target: Token, owner: Owner) -> None:
+    """Post a temporal relation between two tokens."""
+    sides = {"o.start": origin.start, "o.end": origin.end, "t.start": target.start, "t.end": target.end}
+    for distance in table:
+        manager.network.distance(sides[distance.from_], sides[distance.to], distance.minimum, distance.maximum, owner)
+
+
+def _require(manager: TokenNetworkManager, statement: Require, instance: RuleInstance) -> None:
+    scope = [evaluate(manager, argument, instance) for argument in statement.arguments]
+    manager.require(statement.procedure, scope, instance)
+
+
+def _local(manager: TokenNetworkManager, statement: Local, instance: RuleInstance) -> None:
+    variable = manager.network.variable(
+        f"{instance}.{statement.name}", manager.model.domain_of(statement.type), instance
+    )
+    instance.names[statement.name] = variable
+    manager.must_be_decided(variable)
+
+
+def _guard(manager: TokenNetworkManager, statement: Guard, instance: RuleInstance) -> None:
+    scope = [evaluate(manager, argument, instance) for argument in statement.arguments]
+    manager.network.watch(GuardInstance(manager, statement, scope, instance))
+
+
+def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstance) -> None:
+    choices = Universe(statement.name, range(len(statement.branches)))
+    variable = manager.network.variable(f"{instance}.{statement.name}", choices.domain(), instance)
+    manager.must_be_decided(variable)
+    if instance.token is not None and instance.token.depth == 0:
+        manager.trail.append(manager.alternatives, variable)
+    for number, branch in enumerate(statement.branches):
+        chosen = Guard("eq", (), branch)
+        constant = manager.constant(number)
+        manager.network.watch(GuardInstance(manager, chosen, (variable, constant), instance))
+
+
+_CARRY_OUT = {
+    Subgoal: _subgoal,
+    Relate: _relate,
+    Require: _require,
+    Local: _local,
+    Guard: _guard,
+    OneOf: _one_of,
+}
+
+
+def evaluate(manager: TokenNetworkManager, expression: Expression, instance: RuleInstance) -> AnyVariable:
+    """The variable of an expression, made with the constraint that defines it where it is a function."""
+    if isinstance(expression, Constant):
+        domain = singleton(expression.value) if expression.domain is None else expression.domain
+        if expression.domain is None and isinstance(expression.value, ModelObject):
+            domain = manager.domain_of_object(expression.value)
+        return manager.network.variable(repr(expression), domain, instance)
+    if isinstance(expression, Apply):
+        scope = [evaluate(manager, argument, instance) for argument in expression.arguments]
+        result = manager.network.variable(repr(expression), manager.result_domain(expression.procedure), instance)
+        manager.require(expression.procedure, [*scope, result], instance)
+        return result
+    found = resolve(manager, expression, instance)
+    if isinstance(found, Token):
+        raise ModelError(f"{instance.label}: {expression!r} is a token, expected a variable")
+    if isinstance(found, ModelObject):
+        return manager.constant(found)
+    return found
+
+
+def resolve(manager: TokenNetworkManager, ref: Ref, instance: RuleInstance) -> Named:
+    """What a path means to an instance; ModelError names the part that means nothing."""
+    first, *rest = ref.path
+    found: Named | None = instance.token if first == "this" else instance.find(first)
+    if found is None and instance.token is not None:
+        cls = instance.token.predicate.cls
+        if first in manager.model.members_of(cls):
+            found = member(manager, instance.token.object, first, instance)
+    if found is None:
+        found = manager.names.get(first) or manager.model.objects.get(first)
+    if found is None:
+        raise ModelError(f"{instance.label}: {first!r} means nothing here")
+    for name in rest:
+        if isinstance(found, Token):
+            found = found.variable(name) or member(manager, found.object, name, instance)
+        else:
+            found = member(manager, found, name, instance)
+    return found
+
+
+def member(manager: TokenNetworkManager, of: AnyVariable | ModelObject, name: str, instance: RuleInstance) -> Named:
+    """A member of an object, or of whichever object a variable turns out to be."""
+    if isinstance(of, TimeVariable | DurationVariable):
+        raise ModelError(f"{instance.label}: {of.name} is a time, it has no member {name!r}")
+    if isinstance(of, ModelObject):
+        return manager.member_of(of, name)
+    objects = objects_in(of.domain)
+    if not objects:
+        raise ModelError(f"{instance.label}: {of.name} is not an object, it has no member {name!r}")
+    if len(objects) == 1:
+        return manager.member_of(objects[0], name)
+    return manager.member_of_any(of, objects, name, instance)

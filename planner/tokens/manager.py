@@ -1,0 +1,281 @@
+"""TokenNetworkManager (paper, section 4): tokens, timelines and rule instances on the constraint network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import or_
+from typing import Any
+
+from planner.constraints.network import AnyVariable, ConstraintNetworkManager, DurationVariable, Owner, Variable
+from planner.constraints.procedure import ConstraintProcedure
+from planner.constraints.temporal_forms import post_temporal
+from planner.domains import Domain, Interval, Universe, Values, singleton
+from planner.errors import ModelError
+from planner.model.classes import ModelObject, objects_in
+from planner.model.manager import ModelManager
+from planner.model.rules import Statement
+from planner.tokens.instance import Named, RuleInstance, carry_out
+from planner.tokens.resources import ResourceProfile
+from planner.tokens.timeline import Timeline, may_codesignate
+from planner.tokens.token import Role, Token, TokenState
+from planner.trail import Trail
+
+
+class TokenNetworkManager:
+    """The partial plan: tokens, the timelines that they lie on, and what the model asks of them.
+
+    Every change is trailed. `open_tokens` are the inactive ones by number, `undecided` the variables that a complete
+    plan must bind in order of creation, `alternatives` those that choose between the alternatives of a rule of a token
+    that the problem states: the order of a search never depends on what was undone before.
+    """
+
+    def __init__(self, model: ModelManager, network: ConstraintNetworkManager, trail: Trail) -> None:
+        self.model = model
+        self.network = network
+        self.trail = trail
+        self.names: dict[str, Named] = {}
+        self.tokens: list[Token] = []
+        self.open_tokens: dict[int, Token] = {}
+        self.undecided: list[Variable] = []
+        self.alternatives: list[Variable] = []
+        self.timelines: dict[tuple[ModelObject, str], Timeline] = {}
+        self.resources: dict[ModelObject, ResourceProfile] = {}
+        self._decided = 0
+        self._unordered: dict[str, list[Token]] = {}
+        self._constants: dict[tuple[type, Any], Variable] = {}
+        self._members: dict[tuple[ModelObject, str], Named] = {}
+        self._make_timelines()
+
+    def _make_timelines(self) -> None:
+        for thing in self.model.objects.values():
+            for attribute in self.model.attributes_of(thing.cls).values():
+                if attribute.kind == "timeline":
+                    key = (thing, attribute.name)
+                    self.timelines[key] = Timeline(thing, attribute.name, self.network.temporal)
+                elif attribute.kind == "reusable":
+                    self.resources[thing] = ResourceProfile(thing, self.network, self.trail)
+
+    # Tokens come and go
+
+    def create(
+        self, predicate: tuple[str, str], name: str, role: Role, owner: Owner, master: Token | None = None
+    ) -> Token:
+        """A new inactive token of `(class, predicate)` with its parameter constraints."""
+        cls, _ = predicate
+        declared = self.model.predicate(*predicate)
+        network = self.network
+        start = network.timepoint(f"{name}.start", -math.inf, math.inf, owner)
+        end = network.timepoint(f"{name}.end", -math.inf, math.inf, owner)
+        token = Token(
+            len(self.tokens),
+            name,
+            declared,
+            self.model.kind_of(declared),
+            network.variable(f"{name}.object", self.model.objects_of(cls), owner),
+            (start, end, DurationVariable(f"{name}.duration", start, end, Interval(*declared.duration), owner)),
+            {
+                p.name: network.variable(f"{name}.{p.name}", self.model.domain_of(p.type), owner)
+                for p in declared.parameters
+            },
+            role,
+            owner,
+            master,
+        )
+        instance = RuleInstance(f"predicate {declared.full_name}", token)
+        network.distance(start, end, *declared.duration, instance)
+        self.trail.append(self.tokens, token)
+        self.trail.add(self.open_tokens, token.id, token)
+        self.carry_out(declared.body, instance)
+        return token
+
+    def insert(self, token: Token, position: int, owner: Owner) -> None:
+        """Put an inactive token into the empty slot at a position of its timeline; its object must be decided."""
+        timeline = self.timeline_of(token)
+        sequence = timeline.sequence
+        if position > 0:
+            self.network.distance(sequence[position - 1].end, token.start, 0, math.inf, owner)
+        if position < len(sequence):
+            self.network.distance(token.end, sequence[position].start, 0, math.inf, owner)
+        sequence.insert(position, token)
+        self.trail.call(sequence.pop, position)
+        self.trail.assign(token, "placed", True)
+        self._activate(token)
+
+    def activate(self, token: Token) -> None:
+        """Make a token of an attribute without order active: a transaction on a resource, or a value on its own."""
+        if token.kind == "reusable":
+            self.resources[token.thing].add(token)
+        else:
+            self.trail.append(self._unordered_of(token), token)
+        self.trail.assign(token, "placed", True)
+        self._activate(token)
+
+    def merge(self, token: Token, host: Token, owner: Owner) -> None:
+        """Codesignate an inactive token with an active one: equality of all their variables, owned by `owner`."""
+        self.network.distance(token.start, host.start, 0, 0, owner)
+        self.network.distance(token.end, host.end, 0, 0, owner)
+        self.require("eq", (token.object, host.object), owner)
+        for name, variable in token.parameters.items():
+            self.require("eq", (variable, host.parameters[name]), owner)
+        self.trail.assign(token, "state", TokenState.MERGED)
+        self.trail.assign(token, "host", host)
+        self._close(token)
+
+    def reject(self, token: Token) -> None:
+        """Leave a rejectable token out."""
+        self.trail.assign(token, "state", TokenState.REJECTED)
+        self._close(token)
+
+    def _activate(self, token: Token) -> None:
+        self.trail.assign(token, "state", TokenState.ACTIVE)
+        self._close(token)
+        for variable in token.parameters.values():
+            self.must_be_decided(variable)
+        if token.role == "fact":
+            return
+        cls = token.thing.cls
+        for number, rule in enumerate(self.model.rules_for(cls, token.predicate.name)):
+            label = rule.where or f"rule {number + 1} of {token.predicate.full_name}"
+            self.carry_out(rule.body, RuleInstance(label, token))
+
+    def _close(self, token: Token) -> None:
+        del self.open_tokens[token.id]
+        self.trail.call(self.open_tokens.__setitem__, token.id, token)
+
+    # Where a token may go
+
+    def timeline_of(self, token: Token) -> Timeline:
+        """The timeline of a token whose object is decided."""
+        return self.timelines[token.thing, token.predicate.attribute]
+
+    def places(self, token: Token) -> Iterator[tuple[ModelObject, int]]:
+        """Timelines and positions at which the token could be inserted, as far as bounds can tell."""
+        for thing in objects_in(token.object.domain):
+            for position in self.timelines[thing, token.predicate.attribute].slots(token):
+                yield thing, position
+
+    def hosts(self, token: Token) -> Iterator[Token]:
+        """Active tokens that the token could be codesignated with, as far as bounds can tell."""
+        if token.kind == "timeline":
+            for thing in objects_in(token.object.domain):
+                yield from self.timelines[thing, token.predicate.attribute].hosts(token)
+        elif token.kind == "unordered":
+            for host in self._unordered_of(token):
+                if may_codesignate(token, host):
+                    yield host
+
+    def _unordered_of(self, token: Token) -> list[Token]:
+        return self._unordered.setdefault(token.predicate.full_name, [])
+
+    # Services to rule instances
+
+    def carry_out(self, statements: Sequence[Statement], instance: RuleInstance) -> None:
+        """Carry out a body for an instance."""
+        if statements:
+            carry_out(self, statements, instance)
+
+    def require(self, name: str, scope: Sequence[AnyVariable], owner: Owner) -> None:
+        """Post the constraint of that name: as a temporal one where it is, else by its procedure."""
+        procedure = self.model.procedures.get(name)
+        procedure.check_scope(len(scope))
+        if not post_temporal(self.network, name, scope, owner):
+            self.network.post(procedure, tuple(scope), owner)
+
+    def must_be_decided(self, variable: Variable) -> None:
+        """Note a variable that a complete plan must bind."""
+        domain = variable.domain
+        if domain.is_singleton and not domain.is_open:
+            return
+        self.trail.append(self.undecided, variable)
+
+    def still_undecided(self) -> Iterator[Variable]:
+        """The variables that a complete plan must bind and that have several values left, in order of creation."""
+        undecided = self.undecided
+        first = self._decided
+        while first < len(undecided) and undecided[first].domain.is_singleton:
+            first += 1
+        if first > self._decided:
+            self.trail.assign(self, "_decided", first)
+        for index in range(first, len(undecided)):
+            variable = undecided[index]
+            if not variable.domain.is_singleton:
+                yield variable
+
+    def constant(self, value: Any) -> Variable:
+        """A variable that has a value for ever."""
+        key = (type(value), value)  # 1, 1.0 and True are equal to a dictionary
+        if key not in self._constants:
+            domain = self.domain_of_object(value) if isinstance(value, ModelObject) else singleton(value)
+            self._constants[key] = self.network.variable(str(value), domain, None)
+        return self._constants[key]
+
+    def domain_of_object(self, thing: ModelObject) -> Domain:
+        """The domain that holds one object."""
+        everything = self.model.objects_of("Object")
+        assert isinstance(everything, Values)
+        return everything.keep((thing,))
+
+    def member_of(self, thing: ModelObject, name: str) -> Named:
+        """A member of an object: an object, or a variable."""
+        key = (thing, name)
+        if key not in self._members:
+            known = self.model.members_of(thing.cls)
+            if name not in known:
+                raise ModelError(f"object {thing} of class {thing.cls} has no member {name!r}")
+            value = thing.members.get(name, self.model.domain_of(known[name]))
+            if isinstance(value, ModelObject):
+                self._members[key] = value
+            elif isinstance(value, Interval | Values):
+                self._members[key] = self.network.variable(f"{thing}.{name}", value, None)
+            else:
+                self._members[key] = self.constant(value)
+        return self._members[key]
+
+    def member_of_any(self, of: Variable, objects: Sequence[ModelObject], name: str, owner: Owner) -> Variable:
+        """A variable that equals the member of whichever object `of` turns out to be."""
+        members = {thing: self._member_variable(thing, name) for thing in objects}
+        table = {thing: variable.domain for thing, variable in members.items()}
+        merged = _union(list(table.values()))
+        result = self.network.variable(f"{of.name}.{name}", merged, owner)
+        self.network.post(element_of(table), (of, result), owner)
+        return result
+
+    def _member_variable(self, thing: ModelObject, name: str) -> AnyVariable:
+        found = self.member_of(thing, name)
+        if isinstance(found, ModelObject):
+            return self.constant(found)
+        assert not isinstance(found, Token)
+        return found
+
+    def result_domain(self, procedure: str) -> Domain:
+        """The domain that a function's result starts from."""
+        boolean = procedure.startswith("test")
+        return self.model.domain_of("bool" if boolean else "float")
+
+
+def _union(domains: Sequence[Domain]) -> Domain:
+    """The smallest domain that holds all of these."""
+    if all(d.is_numeric for d in domains):
+        whole = all(isinstance(d, Interval) and d.integer for d in domains)
+        return Interval(min(d.lower for d in domains), max(d.upper for d in domains), whole)
+    finite = [d for d in domains if isinstance(d, Values)]
+    if len({id(d.universe) for d in finite}) == 1:
+        return Values(finite[0].universe, reduce(or_, (d.bits for d in finite)))
+    return Universe("member", (v for d in domains for v in d.values())).domain()
+
+
+def element_of(table: dict[ModelObject, Domain]) -> ConstraintProcedure:
+    """The relation between an object and the value of one of its members."""
+
+    def narrow(domains: Sequence[Domain]) -> Sequence[Domain] | None:
+        """table[object] = value."""
+        objects, value = domains
+        left = [o for o in objects_in(objects) if not table[o].intersect(value).is_empty]
+        if not left:
+            return None
+        assert isinstance(objects, Values)
+        return objects.keep(left), value.intersect(_union([table[o] for o in left]))
+
+    return ConstraintProcedure("member", narrow, 2, 2)

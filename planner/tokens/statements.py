@@ -1,0 +1,60 @@
+"""From a problem's token patterns to restrictions on tokens."""
+
+from __future__ import annotations
+
+import math
+
+from planner.constraints.network import AnyVariable
+from planner.domains import Domain, Interval
+from planner.errors import ProblemError, nearest
+from planner.plan import Bounds, Value
+from planner.problem import TokenPattern
+from planner.tokens.manager import TokenNetworkManager
+from planner.tokens.token import Token
+
+
+def apply_pattern(manager: TokenNetworkManager, token: Token, pattern: TokenPattern) -> None:
+    """Restrict a token to its pattern; ProblemError names an unknown object, parameter or value."""
+    network, owner = manager.network, token.name
+    if pattern.object is not None:
+        thing = manager.model.object_named(pattern.object)
+        if thing not in token.object.domain:
+            raise ProblemError(f"{owner}: object {thing} has no predicate {pattern.predicate}")
+        network.restrict(token.object, manager.domain_of_object(thing), owner)
+    for name, value in pattern.parameters.items():
+        variable = token.parameters.get(name)
+        if variable is None:
+            hint = nearest(name, token.parameters)
+            raise ProblemError(f"{owner}: predicate {pattern.predicate} has no parameter {name!r}{hint}")
+        network.restrict(variable, _narrowed(variable.domain, value, f"{owner}.{name}"), owner)
+    for variable_of_time, bounds in ((token.start, pattern.start), (token.end, pattern.end)):
+        _bound(manager, variable_of_time, bounds, owner)
+    _bound(manager, token.duration, pattern.duration, owner)
+    if pattern.contingent is not None:
+        token.contingent = pattern.contingent
+
+
+def _bound(manager: TokenNetworkManager, variable: AnyVariable, bounds: Bounds, owner: str) -> None:
+    lower, upper = bounds
+    if lower is not None and upper is not None and lower > upper:
+        raise ProblemError(f"{variable.name}: the bounds [{lower} {upper}] are empty")
+    if lower is not None or upper is not None:
+        domain = Interval(-math.inf if lower is None else lower, math.inf if upper is None else upper)
+        manager.network.restrict(variable, domain, owner)
+
+
+def _narrowed(domain: Domain, value: Value | tuple[Value, ...], where: str) -> Domain:
+    allowed = value if isinstance(value, tuple) else (value,)
+    for one in allowed:
+        if one not in domain and str(one) not in map(str, _listed(domain)):
+            hint = nearest(str(one), map(str, _listed(domain)))
+            raise ProblemError(f"{where}: {one!r} is not one of {domain!r}{hint}")
+    if isinstance(domain, Interval):
+        numbers = [v for v in allowed if isinstance(v, int | float)]
+        return domain.bounded(min(numbers), max(numbers))
+    names = {str(one) for one in allowed}
+    return domain.keep(v for v in domain.values() if v in allowed or str(v) in names)
+
+
+def _listed(domain: Domain) -> list[object]:
+    return list(domain.values()) if not isinstance(domain, Interval) else []

@@ -1,0 +1,104 @@
+"""Tokens: restrictions on the value of an attribute over an interval (paper, section 3)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Literal
+
+from planner.constraints.network import AnyVariable, DurationVariable, Owner, TimeVariable, Variable
+from planner.model.classes import Kind, ModelObject, Predicate
+
+# goal: must be achieved; rejectable: may be left out; fact: is true and seeks no support; state: holds at the start of
+# the horizon, its rules apply; subgoal: some token's configuration constraint asks for it.
+Role = Literal["goal", "rejectable", "fact", "state", "subgoal"]
+
+
+class TokenState(IntEnum):
+    """Inactive: not on a timeline; active: host of a slot; merged: codesignated with a host; rejected: left out."""
+
+    INACTIVE = 0
+    ACTIVE = 1
+    MERGED = 2
+    REJECTED = 3
+
+
+class Token:
+    """A value token: a predicate name, variables for start, end and duration, and one for each parameter.
+
+    `name` is a path: the statement's name, then the names of the subgoals that lead here. `owner`: who asked for the
+    token; `master`: the token whose configuration constraint did, or None; `depth`: how many of them up.
+    """
+
+    __slots__ = (
+        "contingent",
+        "depth",
+        "duration",
+        "end",
+        "host",
+        "id",
+        "kind",
+        "master",
+        "name",
+        "object",
+        "owner",
+        "parameters",
+        "placed",
+        "predicate",
+        "role",
+        "start",
+        "state",
+    )
+
+    def __init__(
+        self,
+        number: int,
+        name: str,
+        predicate: Predicate,
+        kind: Kind,
+        object_: Variable,
+        times: tuple[TimeVariable, TimeVariable, DurationVariable],
+        parameters: Mapping[str, Variable],
+        role: Role,
+        owner: Owner,
+        master: Token | None,
+    ) -> None:
+        self.id = number
+        self.name = name
+        self.predicate = predicate
+        self.kind = kind
+        self.object = object_
+        self.start, self.end, self.duration = times
+        self.parameters = parameters
+        self.role = role
+        self.owner = owner
+        self.master = master
+        self.depth: int = master.depth + 1 if master is not None else 0
+        self.contingent = predicate.contingent
+        self.state = TokenState.INACTIVE
+        self.host: Token | None = None
+        self.placed = False
+
+    @property
+    def thing(self) -> ModelObject:
+        """The object that the token belongs to, once it is decided."""
+        found = self.object.domain.value
+        assert isinstance(found, ModelObject)
+        return found
+
+    def variable(self, name: str) -> AnyVariable | None:
+        """The variable of a parameter or of one of start, end, duration, object; None when there is none."""
+        if name in self.parameters:
+            return self.parameters[name]
+        if name in ("start", "end", "duration", "object"):
+            found: AnyVariable = getattr(self, name)
+            return found
+        return None
+
+    def may_be_outside(self, horizon: tuple[int, int]) -> bool:
+        """Whether the token can still lie wholly before or wholly after the horizon."""
+        temporal = self.start.temporal
+        return temporal.lower(self.end.timepoint) <= horizon[0] or temporal.upper(self.start.timepoint) >= horizon[1]
+
+    def __repr__(self) -> str:
+        return f"{self.name}:{self.predicate.full_name}"

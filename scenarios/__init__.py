@@ -1,0 +1,1 @@
+"""Scenarios: the only package that brings planner, executive and spacecraft together."""

@@ -1,0 +1,127 @@
+"""How the tokens of the Deep Space 1 model become telecommands, and which telemetry proves them."""
+
+from __future__ import annotations
+
+from executive.bindings import Activity, Bindings, Conclusion, Confirmation, Finish, Maintained, Send, Standby
+from executive.conditions import Condition, Telemetry
+from planner.problem import TokenPattern
+from scenarios.ds1.capability import EXPOSURE_S
+
+CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
+FOREVER_S = 10**9
+"""Longer than any horizon: what lasts this long is never planned to end."""
+
+ON_TARGET = (Condition("acs.target", "==", "$target"), Condition("acs.state", "==", "settled"))
+RADIO_OFF = (Send("radio.downlink", {"on": False}), Send("radio.power", {"on": False}))
+
+
+def _is(channel: str, value: str) -> tuple[Condition, ...]:
+    return (Condition(channel, "==", value),)
+
+
+ACTIVITIES = (
+    Activity(
+        "Attitude.turn",
+        parameters=("target",),
+        contingent=True,
+        start=(Send("acs.point", {"target": "$target"}),),
+        finish=Finish(ON_TARGET, hold_early=True),
+    ),
+    Activity(
+        "Attitude.point",
+        parameters=("target",),
+        maintained=(Maintained("pointing", ON_TARGET, persistence=10),),
+    ),
+    Activity(
+        "Engine.startUp",
+        contingent=True,
+        start=(Send("ips.start"),),
+        finish=Finish(_is("ips.state", "ready"), hold_early=True),
+        stop=(Send("ips.stop"),),
+    ),
+    Activity(
+        "Engine.thrust",
+        parameters=("level",),
+        start=(Send("ips.thrust", {"level": "$level"}),),
+        started=Confirmation((*_is("ips.state", "thrusting"), Condition("ips.level", "==", "$level")), within=10),
+        maintained=(Maintained("thrust", _is("ips.state", "thrusting"), persistence=5),),
+        stop=(Send("ips.stop"),),
+    ),
+    Activity(
+        "Engine.shutDown",
+        contingent=True,
+        start=(Send("ips.stop"),),
+        finish=Finish(_is("ips.state", "standby"), hold_early=True),
+    ),
+    Activity(
+        "Camera.warmUp",
+        contingent=True,
+        start=(Send("micas.power", {"on": True}),),
+        started=Confirmation(_is("micas.switch", "on"), within=10, retries=2),
+        finish=Finish(_is("micas.state", "ready"), hold_early=True),
+    ),
+    Activity("Camera.ready", maintained=(Maintained("camera ready", _is("micas.state", "ready"), persistence=5),)),
+    Activity(
+        "Camera.takeImage",
+        parameters=("target",),
+        contingent=True,
+        start=(Send("micas.expose", {"target": "$target", "seconds": EXPOSURE_S}),),
+        started=Confirmation(_is("micas.state", "exposing"), within=5),
+        finish=Finish((*_is("micas.state", "ready"), Condition("micas.images", "increased_by", 1)), hold_early=True),
+    ),
+    Activity(
+        "Camera.off",
+        start=(Send("micas.power", {"on": False}),),
+        started=Confirmation(_is("micas.switch", "off"), within=10, retries=2, conclusion=CAMERA_STUCK_ON),
+    ),
+    Activity(
+        "Radio.downlink",
+        start=(Send("radio.power", {"on": True}), Send("radio.downlink", {"on": True})),
+        started=Confirmation(_is("radio.state", "downlinking"), within=10, retries=1),
+        end=RADIO_OFF,
+        ended=Confirmation(_is("radio.state", "off"), within=10, retries=1),
+        maintained=(Maintained("downlink", _is("radio.state", "downlinking"), persistence=5),),
+        stop=RADIO_OFF,
+    ),
+)
+
+# Safe: pointed at the Earth, the wings at the Sun, nothing thrusting, nothing exposing. The camera is told to be off but
+# may stay on: what it does shows in telemetry, and the next plan starts from there.
+STANDBY = Standby(
+    commands=(Send("acs.standby"), Send("micas.power", {"on": False})),
+    confirmation=Confirmation(
+        (
+            *_is("acs.state", "settled"),
+            *_is("acs.target", "earth"),
+            *_is("ips.state", "standby"),
+            *_is("radio.state", "off"),
+            Condition("micas.state", "!=", "exposing"),
+            Condition("micas.state", "!=", "warming"),
+        ),
+        within=2400,
+    ),
+)
+
+
+def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPattern, ...]:
+    """The tokens that hold when the spacecraft stands by with this telemetry and these conclusions drawn."""
+    camera = TokenPattern("Camera.ready" if telemetry["micas.state"] == "ready" else "Camera.off")
+    if CAMERA_STUCK_ON.name in conclusions and telemetry["micas.switch"] == "on":
+        switch = TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
+    else:
+        switch = TokenPattern("Camera.switchedOn" if telemetry["micas.switch"] == "on" else "Camera.switchedOff")
+    return (
+        TokenPattern("Attitude.point", parameters={"target": str(telemetry["acs.target"])}),
+        TokenPattern("Engine.standby"),
+        camera,
+        switch,
+    )
+
+
+BINDINGS = Bindings(
+    activities=ACTIVITIES,
+    standby=STANDBY,
+    state=state_now,
+    state_channels=("acs.target", "micas.state", "micas.switch"),
+    observed=("power.bus",),
+)

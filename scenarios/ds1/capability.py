@@ -1,0 +1,48 @@
+"""What the planner may count on, read off the hardware's configuration so that the two cannot drift apart."""
+
+from __future__ import annotations
+
+from math import ceil, floor
+
+from scenarios.ds1.domain import Capability
+from sim import SpacecraftConfig
+from sim.components.ion_engine import THROTTLE_TABLE
+from sim.control import slew_bounds
+from sim.environment import Environment
+
+EXPOSURE_S = 30.0
+"""Commanded exposure of a navigation image."""
+OBSERVED_LATE_S = 2
+"""The hardware acts on whole seconds and telemetry shows it a second later."""
+POWER_RESERVE_W = 20.0
+"""Kept back from what the arrays give, for pointing that is never perfect."""
+
+
+def capability_of(config: SpacecraftConfig) -> Capability:
+    """The capabilities of a spacecraft of this configuration, at its own Sun distance."""
+    sky = Environment(config)
+    turns = {
+        (a, b): (bounds.lower_s, bounds.upper_s + OBSERVED_LATE_S)
+        for a in sky.targets
+        for b in sky.targets
+        for bounds in [slew_bounds(sky.slew_angle(a, b, 0.0), config)]
+    }
+    array_W = config.array_power_1au_W / config.sun_distance_au**2
+    read_out = config.camera_readout_s
+    return Capability(
+        targets=tuple(sky.targets),
+        turns=turns,
+        throttle={level: THROTTLE_TABLE[level].power_W for level in sorted(THROTTLE_TABLE, reverse=True)},
+        power=array_W - config.base_load_W - POWER_RESERVE_W,
+        engine_start=_observed(config.engine_start_s),
+        engine_stop=_observed(config.engine_stop_s),
+        engine_start_power=config.engine_starting_W,
+        camera_warmup=_observed(config.camera_warmup_s),
+        camera_power=max(config.camera_warming_W, config.camera_on_W),
+        exposure=_observed((EXPOSURE_S + read_out[0], EXPOSURE_S + read_out[1])),
+        downlink_power=config.radio_downlinking_W,
+    )
+
+
+def _observed(span: tuple[float, float]) -> tuple[int, int]:
+    return floor(span[0]), ceil(span[1]) + OBSERVED_LATE_S

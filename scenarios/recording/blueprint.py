@@ -1,0 +1,166 @@
+"""The layout a recording opens with: tabs Mission, Attitude, Power, Camera, Plan network, Events, and of channels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from scenarios.recording.boards import GOALS_PATHS, HEADER_PATH
+from scenarios.recording.network import BOUNDS, COLUMNS, NETWORK, STEP_X, STEP_Y
+from scenarios.recording.scene import CAMERA_IMAGE, WORLD, Scene
+from scenarios.recording.stream import TIMELINE
+from scenarios.recording.telemetry import Panel
+
+LOG = "/log"
+CAMERA_LOG = "/log/camera"
+SITUATION = "/situation"
+CHASE = "/camera/chase"
+CAMERA_FALLBACK = "/camera/micas"
+LANES_A_TAB = 7
+_LANE_HEIGHT, _HEADER_HEIGHT, _VIEWS_HEIGHT = 71.0, 142.0, 810.0
+_MARGIN = 0.025  # of the mission at either end, so that the first and the last label of an axis fit
+
+
+def camera_path(scene: Scene) -> str:
+    """Where the images of the science camera go: into the frustum of the 3D scene when there is one."""
+    return CAMERA_IMAGE if scene.camera is not None else CAMERA_FALLBACK
+
+
+class Layout:
+    """Builds the blueprint. `start`, `end`: the mission in Unix seconds; every view opens on all of it."""
+
+    def __init__(self, start: float, end: float) -> None:
+        bound, margin = rrb.TimeRangeBoundary.absolute, _MARGIN * (end - start)
+        span = rr.TimeRange(start=bound(seconds=start - margin), end=bound(seconds=end + margin))
+        self._axis = rrb.TimeAxis(view_range=span)
+
+    def build(
+        self,
+        scene: Scene,
+        lane_paths: Sequence[str],
+        panels: Sequence[Panel],
+        power_lanes: Sequence[str],
+        camera_lanes: Sequence[str],
+    ) -> Any:
+        """The whole layout; paths are those of the lanes' entities."""
+        others = list(dict.fromkeys(p.tab for p in panels if p.tab not in ("Attitude", "Power")))
+        tabs = [
+            *self._mission(lane_paths),
+            self._attitude(scene, panels),
+            *self._power(panels, power_lanes),
+            self._camera(scene, camera_lanes),
+            self._network(len(lane_paths)),
+            self._events(),
+            *(self._plots(tab, panels) for tab in others),
+        ]
+        return rrb.Blueprint(
+            rrb.Tabs(*tabs, active_tab=0),
+            rrb.TimePanel(timeline=TIMELINE, state="collapsed", play_state="paused"),
+            rrb.SelectionPanel(state="hidden"),
+            rrb.BlueprintPanel(state="hidden"),
+        )
+
+    def _mission(self, lane_paths: Sequence[str]) -> list[Any]:
+        """As many tabs as the lanes need, with the header lane on top of each; goals and events under them."""
+        count = max(1, math.ceil(len(lane_paths) / LANES_A_TAB))
+        size = max(1, math.ceil(len(lane_paths) / count))
+        groups = [lane_paths[i * size : (i + 1) * size] for i in range(count)]
+        tabs = []
+        for number, group in enumerate(groups, 1):
+            chart = rrb.StateTimelineView(
+                origin="/mission",
+                contents=[HEADER_PATH, *group],
+                name="Plan against execution: each timeline shows planned earliest / executed / planned latest",
+                time_view=self._axis,
+            )
+            below = rrb.Horizontal(
+                *(self._goals(path) for path in GOALS_PATHS),
+                self._log("What happened", ["INFO", "WARN", "ERROR"]),
+                column_shares=[1, 1, 1.2],
+            )
+            lanes = _LANE_HEIGHT * len(group) + _HEADER_HEIGHT
+            name = "Mission" if number == 1 else f"Mission {number}"
+            tabs.append(rrb.Vertical(chart, below, row_shares=[lanes, _VIEWS_HEIGHT - lanes], name=name))
+        return tabs
+
+    def _goals(self, path: str) -> Any:
+        return rrb.StateTimelineView(origin=path, name="Goals", titlebar=False, time_view=self._axis)
+
+    def _attitude(self, scene: Scene, panels: Sequence[Panel]) -> Any:
+        reach = scene.extent()
+        eye = (1.7 * reach, -2.1 * reach, 1.15 * reach)
+        world = rrb.Spatial3DView(
+            origin=WORLD,
+            name="Spacecraft among sky directions",
+            background=rrb.Background(color=[4, 5, 10]),
+            line_grid=False,
+            eye_controls=rrb.EyeControls3D(position=eye, look_target=(0, 0, 0), eye_up=(0, 0, 1)),
+        )
+        views, shares = self._panel_views("Attitude", panels)
+        if not views:
+            return rrb.Horizontal(world, name="Attitude")
+        return rrb.Horizontal(world, rrb.Vertical(*views, row_shares=shares), name="Attitude")
+
+    def _power(self, panels: Sequence[Panel], lanes: Sequence[str]) -> list[Any]:
+        views, shares = self._panel_views("Power", panels)
+        if lanes:
+            views.append(self._lanes("Engine and power, planned earliest / executed / planned latest", lanes))
+            shares.append((len(lanes) * _LANE_HEIGHT + 60) / 250)
+        return [rrb.Vertical(*views, row_shares=shares, name="Power")] if views else []
+
+    def _camera(self, scene: Scene, lanes: Sequence[str]) -> Any:
+        science = rrb.Spatial2DView(origin=camera_path(scene), name="Science camera: last image before the cursor")
+        chase = rrb.Spatial2DView(origin=CHASE, name="Chase view")
+        images = rrb.Horizontal(science, chase, self._log("Images", None, CAMERA_LOG), column_shares=[3, 3, 2])
+        if not lanes:
+            return rrb.Vertical(images, name="Camera")
+        height = len(lanes) * _LANE_HEIGHT + 60
+        chart = self._lanes("Camera, planned earliest / executed / planned latest", lanes)
+        return rrb.Vertical(images, chart, row_shares=[_VIEWS_HEIGHT - height, height], name="Camera")
+
+    def _network(self, lanes: int) -> Any:
+        bounds = rrb.VisualBounds2D(x_range=(-2.0 * STEP_X, COLUMNS * STEP_X), y_range=(-STEP_Y, (lanes + 1) * STEP_Y))
+        graph = rrb.GraphView(origin=NETWORK, name="Plan in force at the cursor", visual_bounds=bounds)
+        funnels = rrb.TimeSeriesView(
+            origin=BOUNDS,
+            name="Start bounds narrowing until execution, minutes after the first earliest start",
+            axis_x=self._axis,
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+        )
+        return rrb.Vertical(graph, funnels, row_shares=[1.3, 1], name="Plan network")
+
+    def _events(self) -> Any:
+        page = rrb.TextDocumentView(origin=SITUATION, name="How things stand at the cursor")
+        return rrb.Horizontal(self._log("All events", None), page, column_shares=[3, 2], name="Events")
+
+    def _plots(self, tab: str, panels: Sequence[Panel]) -> Any:
+        views, shares = self._panel_views(tab, panels)
+        return rrb.Vertical(*views, row_shares=shares, name=tab)
+
+    def _panel_views(self, tab: str, panels: Sequence[Panel]) -> tuple[list[Any], list[float]]:
+        views, shares = [], []
+        for panel in panels:
+            if panel.tab != tab:
+                continue
+            if panel.state:
+                views.append(rrb.StateTimelineView(origin=panel.path, name=panel.title, time_view=self._axis))
+                shares.append((len(panel.channels) * 20 + 80) / 250)
+            else:
+                legend = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=len(panel.channels) > 1)
+                plot = rrb.TimeSeriesView(origin=panel.path, name=panel.title, axis_x=self._axis, plot_legend=legend)
+                views.append(plot)
+                shares.append(1.0)
+        return views, shares
+
+    def _lanes(self, name: str, paths: Sequence[str]) -> Any:
+        return rrb.StateTimelineView(origin="/mission", contents=list(paths), name=name, time_view=self._axis)
+
+    def _log(self, name: str, levels: list[str] | None, origin: str = LOG) -> Any:
+        hidden = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
+        columns = rrb.TextLogColumns(timeline_columns=hidden, text_log_columns=["loglevel", "body"])
+        rows = rrb.TextLogRows(filter_by_log_level=levels) if levels else None
+        return rrb.TextLogView(origin=origin, name=name, columns=columns, rows=rows)

@@ -1,0 +1,181 @@
+"""The two lanes that tell the story at a glance: plan, planner and faults; and what became of the goals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from scenarios.recording.lanes import Block, Lane
+from scenarios.recording.style import AMBER, BLUE, DARK_RED, FADED_RED, GREEN, GREY, ORANGE, RED, dim
+
+HEADER_PATH = "/mission/0_plan_planner_fault_goals"
+GOALS_PATHS = ("/goals/left", "/goals/right")
+_PLAN, _PLANNER, _FAULT, _GOALS = range(4)
+_PLAN_COLOURS = (BLUE, 0x0F766EFF, 0x5B43C8FF, 0x3F6212FF)
+_STAGES = {
+    "unseen": (DARK_RED, "{name}: not yet detected"),
+    "detected": (RED, "{name}: detected, {detail}"),
+    "answered": (ORANGE, "{name}: {detail}"),
+    "handled": (FADED_RED, "{name}: handled by {detail}"),
+}
+_SEVERITY = ("handled", "answered", "unseen", "detected")
+
+
+@dataclass
+class _Fault:
+    stage: str = "unseen"
+    detail: str = ""
+
+
+@dataclass
+class HeaderLane:
+    """Four lines: the plan in force, what the planner is at, the active faults, the tally of goals."""
+
+    lane: Lane = field(default_factory=lambda: Lane(HEADER_PATH, 4))
+    plans: int = 0
+    _faults: dict[str, _Fault] = field(default_factory=dict)
+    _latest_fault: str | None = None
+
+    def plan(self, plan_id: str, reason: str, handover: int) -> None:
+        """The plan is in force from the handover on, whatever was before; faults that were answered are handled."""
+        self.lane.withdraw(handover, _PLAN)
+        label = f"{plan_id}: {reason}" if reason else plan_id
+        colour = _PLAN_COLOURS[self.plans % len(_PLAN_COLOURS)]
+        self.lane.put(handover, _PLAN, Block(f"in_force:{plan_id}", label, colour))
+        self.plans += 1
+
+    def handed_over(self, time: int, plan_id: str) -> None:
+        """The new plan has taken over: what was answered before it was made is handled by it."""
+        answered = [name for name, fault in self._faults.items() if fault.stage == "answered"]
+        for name in answered:
+            self._faults[name] = _Fault("handled", plan_id)
+        if answered:
+            self._draw_faults(time)
+
+    def goals(self, time: int, board: GoalsBoard) -> None:
+        """Goals changed."""
+        lost = any(status in ("dropped", "missed") for status in board.status.values())
+        open_ = any(status in ("pending", "active") for status in board.status.values())
+        colour = dim(ORANGE, 0.7) if lost else dim(GREEN, 0.7) if not open_ else 0x3A424EFF
+        self.lane.put(time, _GOALS, Block(board.tally(), board.tally(), colour))
+
+    def requested(self, time: int, reason: str) -> None:
+        """The planner begins to think."""
+        self._planner(time, f"planning: {reason}", AMBER)
+
+    def adopted(self, time: int, plan_id: str, handover: int) -> None:
+        """The planner is done; the plan waits for its handover."""
+        self.lane.withdraw(time, _PLANNER)
+        if handover > time:
+            self._planner(time, f"{plan_id} ready", GREEN)
+        self.lane.put(max(time, handover), _PLANNER, None)
+
+    def failed(self, time: int, reason: str) -> None:
+        """The planner found no plan."""
+        self._planner(time, f"no plan: {reason}", RED)
+
+    def standby(self, time: int, reason: str) -> None:
+        """No plan is in force: the spacecraft waits in standby."""
+        self.lane.withdraw(time, _PLAN)
+        self.lane.put(time, _PLAN, Block(f"standby:{reason}", f"standby: {reason}", AMBER))
+
+    def standby_left(self, time: int) -> None:
+        """Standby is over; a plan follows, at this instant or later."""
+        if not self.lane.changes_from(time, _PLAN):
+            self.lane.put(time, _PLAN, None)
+
+    def fault_injected(self, time: int, name: str) -> None:
+        """Something broke; nobody aboard knows."""
+        self._faults[name] = _Fault()
+        self._draw_faults(time)
+
+    def fault_detected(self, time: int, name: str, diagnosis: str) -> str:
+        """The executive noticed. A name that was not injected is taken for the oldest fault that is still unseen.
+
+        Returns the name under which the fault is shown.
+        """
+        if name not in self._faults:
+            name = next((known for known, fault in self._faults.items() if fault.stage == "unseen"), name)
+        self._faults[name] = _Fault("detected", diagnosis)
+        self._latest_fault = name
+        self._draw_faults(time)
+        return name
+
+    def fault_answered(self, time: int, name: str | None, response: str) -> None:
+        """The executive responded, to the fault named or to the one detected last."""
+        if name not in self._faults:
+            name = self._latest_fault
+        if name is not None:
+            self._faults[name] = _Fault("answered", response)
+            self._draw_faults(time)
+
+    def fault_cleared(self, time: int, name: str) -> None:
+        """The fault is gone."""
+        self._faults.pop(name, None)
+        self._draw_faults(time)
+
+    def faults(self) -> list[tuple[str, str]]:
+        """Active faults: name and what is known of each."""
+        return [(name, self._text(name, fault)) for name, fault in self._faults.items()]
+
+    def _draw_faults(self, time: int) -> None:
+        block = None
+        if self._faults:
+            worst = max((fault.stage for fault in self._faults.values()), key=_SEVERITY.index)
+            text = " | ".join(text for _, text in self.faults())
+            block = Block(f"fault:{text}", text, _STAGES[worst][0])
+        self.lane.put(time, _FAULT, block)
+
+    @staticmethod
+    def _text(name: str, fault: _Fault) -> str:
+        text = _STAGES[fault.stage][1].format(name=name, detail=fault.detail)
+        return text.removesuffix(", ").removesuffix(": ")
+
+    def _planner(self, time: int, text: str, colour: int) -> None:
+        self.lane.withdraw(time, _PLANNER)
+        self.lane.put(time, _PLANNER, Block(f"planner:{text}", text, colour))
+
+
+GOAL_COLOURS = {
+    "pending": 0x3A424EFF,
+    "active": 0xB08A2EFF,
+    "achieved": GREEN,
+    "dropped": ORANGE,
+    "missed": RED,
+}
+
+
+@dataclass
+class GoalsBoard:
+    """A line for each goal: pending, active, then achieved, dropped or missed; in two columns, to show many."""
+
+    lanes: tuple[Lane, ...] = field(default_factory=lambda: tuple(Lane(path, 0) for path in GOALS_PATHS))
+    status: dict[str, str] = field(default_factory=dict)
+    _places: dict[str, tuple[Lane, int]] = field(default_factory=dict)
+
+    def expect(self, time: int, goals: Iterable[str]) -> None:
+        """These goals are to be reached; those already known stay as they are."""
+        for goal in goals:
+            if goal not in self.status:
+                self.change(time, goal, "pending")
+
+    def activate(self, time: int, goal: str) -> None:
+        """A token of a pending goal has started."""
+        if self.status.get(goal) == "pending":
+            self.change(time, goal, "active")
+
+    def change(self, time: int, goal: str, status: str) -> None:
+        """The goal has that status from now on."""
+        if goal not in self._places:
+            lane = self.lanes[len(self._places) % len(self.lanes)]
+            self._places[goal] = (lane, lane.add_line())
+        self.status[goal] = status
+        lane, line = self._places[goal]
+        lane.put(time, line, Block(f"{goal}:{status}", f"{goal}: {status}", GOAL_COLOURS.get(status, GREY)))
+
+    def tally(self) -> str:
+        """How many of the goals are achieved, and how many are lost."""
+        counts = {status: sum(s == status for s in self.status.values()) for status in ("dropped", "missed")}
+        achieved = sum(status == "achieved" for status in self.status.values())
+        lost = [f", {count} {status}" for status, count in counts.items() if count]
+        return f"goals {achieved}/{len(self.status)}" + "".join(lost)

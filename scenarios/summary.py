@@ -1,0 +1,105 @@
+"""The summary of a run: what a person or a campaign asks first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from executive.executive import Executive
+from executive.monitor import FaultRecord
+from executive.records import AdoptedPlan
+from scenarios.config import FaultSection, Scenario
+from scenarios.flight_rules import FLIGHT_RULES, RuleViolation
+
+OUTCOMES = ("failed", "standby", "degraded", "completed")
+"""From worst to best."""
+
+
+def summarize(
+    scenario: Scenario,
+    seed: int,
+    faults: Sequence[FaultSection],
+    executive: Executive,
+    rule_violations: Sequence[RuleViolation],
+    wall_seconds: float,
+) -> dict[str, Any]:
+    """The content of `summary.json`, but for what only the recording and the simulator know."""
+    plans = executive.plans
+    dispatch = executive.dispatch
+    p50, p99 = (_percentile(dispatch.latencies, share) for share in (0.5, 0.99))
+    return {
+        "scenario": scenario.name,
+        "seed": seed,
+        "outcome": executive.outcome,
+        "expected": scenario.expect.faulted if faults else scenario.expect.nominal,
+        "goals": [{"id": g.id, "status": g.status, "time": g.time, "reason": g.reason} for g in executive.goals],
+        "plans": [_plan(adopted) for adopted in plans],
+        "replans": max(0, len(plans) - 1),
+        "faults": _faults(faults, executive.faults),
+        "dispatch": {
+            "timepoints": dispatch.timepoints,
+            "violations": sum(dispatch.violations.values()),
+            "violations_by_kind": dict(dispatch.violations),
+            "latency_us_p50": p50,
+            "latency_us_p99": p99,
+        },
+        "flight_rules": {
+            "checked": len(FLIGHT_RULES),
+            "violations": [{"rule": v.rule, "start": v.start, "end": v.end} for v in rule_violations],
+        },
+        "sim": {
+            "sim_seconds": executive.now,
+            "wall_seconds": round(wall_seconds, 3),
+            "realtime_factor": round(executive.now / wall_seconds, 1),
+        },
+        "wall_seconds": round(wall_seconds, 3),
+    }
+
+
+def fell_short(summary: dict[str, Any]) -> bool:
+    """Whether the run is worse than its scenario promises, or broke a flight rule."""
+    worse = OUTCOMES.index(summary["outcome"]) < OUTCOMES.index(summary["expected"])
+    return worse or bool(summary["flight_rules"]["violations"])
+
+
+def _plan(adopted: AdoptedPlan) -> dict[str, Any]:
+    return {
+        "id": adopted.id,
+        "horizon": list(adopted.plan.horizon),
+        "tokens": len(adopted.plan.tokens),
+        "timelines": len(adopted.plan.timelines),
+        "constraints": len(adopted.plan.constraints),
+        "steps": adopted.statistics.steps,
+        "solve_seconds": round(adopted.statistics.solve_seconds, 4),
+        "deliberation_charged": adopted.deliberation_charged,
+        "dynamically_controllable": adopted.dynamically_controllable,
+        "reason": adopted.reason,
+    }
+
+
+def _faults(injected: Sequence[FaultSection], detected: Sequence[FaultRecord]) -> list[dict[str, Any]]:
+    """What was injected and what was detected, matched in order of time: the executive does not know the former."""
+    rows: list[dict[str, Any]] = []
+    open_detections = sorted(detected, key=lambda d: d.detected)
+    for fault in sorted(injected, key=lambda f: f.at):
+        match = next((d for d in open_detections if d.detected >= fault.at), None)
+        if match is not None:
+            open_detections.remove(match)
+        rows.append({"name": fault.name, "injected": fault.at} | _detection(match))
+    rows.extend({"name": d.monitor, "injected": None} | _detection(d) for d in open_detections)
+    return rows
+
+
+def _detection(record: FaultRecord | None) -> dict[str, Any]:
+    if record is None:
+        return {"detected": None, "diagnosis": None, "response": None}
+    response = ", ".join(record.responses) or "replan"
+    return {"detected": record.detected, "diagnosis": record.diagnosis, "response": response}
+
+
+def _percentile(latencies_s: Sequence[float], share: float) -> float | None:
+    """A percentile in microseconds; None without any latency."""
+    if not latencies_s:
+        return None
+    ordered = sorted(latencies_s)
+    return round(ordered[min(len(ordered) - 1, int(share * len(ordered)))] * 1e6, 1)

@@ -1,0 +1,23 @@
+"""The target hardware: a spacecraft after Deep Space 1 as physics, behind telecommands and telemetry.
+
+`Spacecraft(config, seed)` is the whole of it. The package knows nothing of plans or executives.
+"""
+
+from sim.components.terminal import Acknowledgement
+from sim.config import SpacecraftConfig, Target
+from sim.errors import ConfigurationError, RenderingUnavailable, SimulationError, SimulatorError
+from sim.faults import FAULTS
+from sim.spacecraft import RecordedState, Spacecraft
+
+__all__ = [
+    "FAULTS",
+    "Acknowledgement",
+    "ConfigurationError",
+    "RecordedState",
+    "RenderingUnavailable",
+    "SimulationError",
+    "SimulatorError",
+    "Spacecraft",
+    "SpacecraftConfig",
+    "Target",
+]

@@ -1,0 +1,140 @@
+"""The spacecraft's telecommands and telemetry: one table each, the contract with whoever flies it.
+
+A telemetry value is rounded to its channel's resolution before anybody outside sees it. A telecommand's arguments are
+checked against its row before its terminal sees them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from sim.components.ion_engine import LEVELS
+
+TelemetryValue = float | int | str | bool
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument: its type by name (str, bool, int, float), unit, what it may be (empty: anything of the type)."""
+
+    name: str
+    type: str
+    unit: str = ""
+    choices: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Telecommand:
+    """A row of the telecommand table; `terminal` is the bus terminal that takes it."""
+
+    name: str
+    terminal: str
+    arguments: tuple[Argument, ...]
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A row of the telemetry table. `resolution`: what one count is worth, a power of ten; 0: nothing to round."""
+
+    name: str
+    unit: str
+    type: str
+    resolution: float
+    meaning: str
+
+
+_TELECOMMANDS = (
+    Telecommand("acs.point", "acs", (Argument("target", "str"),), "slew to a target and hold it with the wheels"),
+    Telecommand("acs.standby", "acs", (), "slew to the Earth and stay there, safe"),
+    Telecommand("ips.start", "ips", (), "start the ion engine: standby to ready"),
+    Telecommand(
+        "ips.thrust", "ips", (Argument("level", "int", "", LEVELS),), "thrust at a level, from ready or thrusting"
+    ),
+    Telecommand("ips.idle", "ips", (), "stop thrusting, stay ready"),
+    Telecommand("ips.stop", "ips", (), "shut the ion engine down: to standby"),
+    Telecommand("micas.power", "micas", (Argument("on", "bool"),), "throw the camera's power switch"),
+    Telecommand(
+        "micas.expose",
+        "micas",
+        (Argument("target", "str"), Argument("seconds", "float", "s")),
+        "take one image of what should be the target",
+    ),
+    Telecommand("radio.power", "radio", (Argument("on", "bool"),), "transmitter on or off"),
+    Telecommand("radio.downlink", "radio", (Argument("on", "bool"),), "play the recorder to the ground, or stop"),
+)
+TELECOMMANDS: Mapping[str, Telecommand] = MappingProxyType({row.name: row for row in _TELECOMMANDS})
+TERMINALS = tuple(sorted({row.terminal for row in _TELECOMMANDS}))
+
+_TELEMETRY = (
+    Channel("acs.mode", "", "str", 0, "wheels | standby"),
+    Channel("acs.target", "", "str", 0, "target held or on the way to"),
+    Channel("acs.state", "", "str", 0, "slewing | settled"),
+    Channel("acs.error_rad", "rad", "float", 1e-6, "angle to the attitude that the target asks for"),
+    Channel("acs.rate_rad_s", "rad/s", "float", 1e-7, "size of the angular rate"),
+    Channel("wheels.speed_1_rad_s", "rad/s", "float", 0.01, "speed of wheel 1 against the bus"),
+    Channel("wheels.speed_2_rad_s", "rad/s", "float", 0.01, "speed of wheel 2 against the bus"),
+    Channel("wheels.speed_3_rad_s", "rad/s", "float", 0.01, "speed of wheel 3 against the bus"),
+    Channel("wheels.speed_4_rad_s", "rad/s", "float", 0.01, "speed of wheel 4 against the bus"),
+    Channel("wheels.momentum_Nms", "N m s", "float", 0.001, "size of the momentum in the wheels"),
+    Channel("ips.state", "", "str", 0, "standby | starting | ready | thrusting | stopping"),
+    Channel("ips.level", "", "int", 0, "throttle level, 0 when not thrusting"),
+    Channel("ips.thrust_N", "N", "float", 1e-5, "thrust"),
+    Channel("ips.power_W", "W", "float", 0.1, "power of the ion engine"),
+    Channel("ips.xenon_kg", "kg", "float", 1e-5, "xenon left"),
+    Channel("ips.thrust_seconds", "s", "float", 1.0, "time thrusting since the start"),
+    Channel("micas.switch", "", "str", 0, "on | off: status of the power switch"),
+    Channel("micas.state", "", "str", 0, "off | warming | ready | exposing"),
+    Channel("micas.images", "", "int", 0, "good images since the start"),
+    Channel("micas.power_W", "W", "float", 0.1, "power of the camera"),
+    Channel("power.array_W", "W", "float", 0.1, "what the solar array can give now"),
+    Channel("power.load_W", "W", "float", 0.1, "what all loads draw"),
+    Channel("power.margin_W", "W", "float", 0.1, "array less load; negative: from the battery"),
+    Channel("power.bus", "", "str", 0, "nominal | undervoltage"),
+    Channel("battery.soc", "", "float", 1e-4, "charge of the battery, 0 to 1"),
+    Channel("radio.state", "", "str", 0, "off | on | downlinking"),
+    Channel("recorder.stored_Mbit", "Mbit", "float", 0.01, "data waiting for a downlink"),
+    Channel("recorder.downlinked_Mbit", "Mbit", "float", 0.01, "data sent to the ground"),
+)
+TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})
+
+# Resolutions are powers of ten: a count divided by counts per unit is then the nearest float to its decimal.
+_COUNTS_PER_UNIT = tuple((row.name, 10.0 ** -round(math.log10(row.resolution))) for row in _TELEMETRY if row.resolution)
+
+
+def round_telemetry(values: dict[str, TelemetryValue]) -> dict[str, TelemetryValue]:
+    """Round every analogue channel of `values`, in place, to its resolution; there is no negative zero."""
+    floor = math.floor
+    for name, counts_per_unit in _COUNTS_PER_UNIT:
+        value = values[name]
+        if value.__class__ is float:
+            values[name] = floor(value * counts_per_unit + 0.5) / counts_per_unit
+    return values
+
+
+def why_wrong(command: Telecommand, arguments: Mapping[str, TelemetryValue]) -> str | None:
+    """The reason to refuse `arguments` for `command`: names, types, choices; None when they are right."""
+    expected = [argument.name for argument in command.arguments]
+    if sorted(arguments) != sorted(expected):
+        return f"{command.name}: expected arguments {expected or 'none'}, found {sorted(arguments) or 'none'}"
+    for argument in command.arguments:
+        value = arguments[argument.name]
+        where = f"{command.name}.{argument.name}"
+        if not _has_type(value, argument.type):
+            return f"{where}: expected {argument.type}, found {value!r}"
+        if argument.choices and value not in argument.choices:
+            return f"{where}: expected one of {', '.join(map(str, argument.choices))}, found {value!r}"
+    return None
+
+
+def _has_type(value: TelemetryValue, name: str) -> bool:
+    if name == "str":
+        return isinstance(value, str)
+    if name == "bool":
+        return isinstance(value, bool)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return isinstance(value, int) if name == "int" else math.isfinite(value)

@@ -1,0 +1,292 @@
+"""The spacecraft: its components in one update order, commanded and observed as from the ground.
+
+One seeded generator a component, spawned from the run's seed in a fixed order: the same configuration, seed, commands
+and injections give the same telemetry to the last bit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.assembly import load_assembly
+from sim.components.camera import Camera
+from sim.components.ion_engine import IonEngine
+from sim.components.power import Power
+from sim.components.radio import Radio, Recorder
+from sim.components.terminal import Acknowledgement, BusTerminal
+from sim.components.wheels import Wheels
+from sim.components.wings import Wings
+from sim.config import SpacecraftConfig
+from sim.control import AttitudeControl
+from sim.dictionary import TELECOMMANDS, TERMINALS, TelemetryValue, round_telemetry, why_wrong
+from sim.environment import THRUST_AXIS_B, Environment
+from sim.errors import ConfigurationError
+from sim.faults import FaultHook, FaultSchedule
+from sim.physics import Physics
+from sim.quaternion import Quaternion, Vector, rotate, rotate_inverse
+from sim.rendering import Renderer
+
+# Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
+_GENERATORS = ("wheels", "ips", "micas")
+_SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
+# The mass in the physics follows the xenon in grains of this size, half a minute of thrust: 2e-7 of the mass.
+_XENON_GRAIN_KG = 1.0e-4
+_UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedState:
+    """The raw state at an instant, for recordings: nothing rounded, nothing that the flight side may see."""
+
+    time_s: float
+    position_I_m: Vector
+    velocity_I_m_s: Vector
+    attitude_IB: Quaternion
+    rate_B_rad_s: Vector
+    wheel_speeds_rad_s: tuple[float, ...]
+    wing_angles_rad: tuple[float, ...]
+    mass_kg: float
+    thrust_I_N: Vector
+    sun_direction_I: Vector
+    active_faults: tuple[str, ...]
+
+
+class Spacecraft:
+    """A Deep-Space-One-like spacecraft. Starts settled on the configuration's initial target, in standby, at time 0."""
+
+    def __init__(self, config: SpacecraftConfig, seed: int) -> None:
+        streams = np.random.SeedSequence(seed).spawn(len(_GENERATORS))
+        generators = {name: np.random.default_rng(stream) for name, stream in zip(_GENERATORS, streams, strict=True)}
+        self._config = config
+        self._assembly = load_assembly(config.time_step_s)
+        self.environment = Environment(config)
+        attitude_IB = self.environment.target_attitude_IB(config.initial_target, 0.0)
+        spread = config.wheel_initial_speed_rad_s
+        speeds = generators["wheels"].uniform(-spread, spread, 4).tolist()
+        self._physics = Physics(self._assembly, attitude_IB, speeds)
+        self._sun_B = rotate_inverse(attitude_IB, self.environment.sun_direction_I(0.0))
+        self._wings = Wings(config.wing_rate_limit_rad_s, self._sun_B)
+        self._physics.place_wings(self._wings.setpoint_rad)
+        self._control = AttitudeControl(config, self._assembly.inertia_kg_m2, attitude_IB, config.initial_target)
+        self._wheels = Wheels(
+            self._assembly.wheel_axes_B,
+            self._assembly.wheel_inertia_kg_m2,
+            config.wheel_torque_limit_Nm,
+            config.wheel_speed_limit_rad_s,
+            speeds,
+        )
+        self._engine = IonEngine(config, generators["ips"])
+        self._camera = Camera(config, generators["micas"])
+        self._power = Power(config)
+        self._radio = Radio(config)
+        self._recorder = Recorder(config.recorder_capacity_Mbit)
+        self._terminals = {name: BusTerminal(name) for name in TERMINALS}
+        self._faults = FaultSchedule(self._fault_hooks())
+        self._steps = round(config.control_period_s / config.time_step_s)
+        self._ticks = 0
+        self._thrust_I: Vector = (0.0, 0.0, 0.0)
+        self._xenon_removed_kg = 0.0
+        self._renderer: Renderer | None = None
+        self._balance()
+
+    def __repr__(self) -> str:
+        return f"Spacecraft(time={self.time}, {self._control!r}, {self._engine!r}, {self._camera!r})"
+
+    @property
+    def time(self) -> int:
+        """Seconds of simulation clock."""
+        return self._ticks * self._config.control_period_s
+
+    @property
+    def physics_steps(self) -> int:
+        """Integration steps so far."""
+        return self._ticks * self._steps
+
+    @property
+    def config(self) -> SpacecraftConfig:
+        """What it was made from."""
+        return self._config
+
+    def send(self, name: str, arguments: Mapping[str, TelemetryValue]) -> Acknowledgement | None:
+        """Put a telecommand of `sim.dictionary` on the bus; it takes effect at once.
+
+        A wrong or untimely one is refused with the reason. None when the terminal does not answer.
+        """
+        command = TELECOMMANDS.get(name)
+        if command is None:
+            return Acknowledgement(False, f"command: expected one of {', '.join(TELECOMMANDS)}, found {name!r}")
+        reason = why_wrong(command, arguments)
+        target = arguments.get("target")
+        if reason is None and target is not None and target not in self.environment.targets:
+            known = ", ".join(self.environment.targets)
+            reason = f"{name}.target: expected one of {known}, found {target!r}"
+        if reason is not None:
+            return Acknowledgement(False, reason)
+        acknowledgement = self._terminals[command.terminal].deliver(lambda: self._execute(name, arguments))
+        self._balance()
+        return acknowledgement
+
+    def advance(self, until_s: float) -> None:
+        """Let time pass up to `until_s`, a multiple of the control period not before now.
+
+        Raises `ConfigurationError` for another time, `SimulationError` when the physics break down.
+        """
+        period = self._config.control_period_s
+        if not (math.isfinite(until_s) and until_s >= self.time and until_s % period == 0):
+            raise ConfigurationError(
+                f"advance: expected a multiple of {period} s that is at least {self.time} s, found {until_s}"
+            )
+        last = round(until_s / period)
+        while self._ticks < last:
+            self._tick(float(period))
+
+    def telemetry(self) -> dict[str, TelemetryValue]:
+        """Every channel of `sim.dictionary` now, rounded to its resolution, in the table's order."""
+        values: dict[str, TelemetryValue] = {}
+        values.update(self._control.telemetry())
+        values.update(self._wheels.telemetry())
+        values.update(self._engine.telemetry())
+        values.update(self._camera.telemetry())
+        values.update(self._power.telemetry())
+        values.update(self._radio.telemetry())
+        values.update(self._recorder.telemetry())
+        return round_telemetry(values)
+
+    def inject(
+        self,
+        fault_name: str,
+        at_s: float,
+        end_s: float | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> None:
+        """Let a fault of `sim.faults` begin at `at_s` (at once if that is past) and end at `end_s` (None: never)."""
+        self._faults.add(fault_name, at_s, end_s, parameters or {})
+        self._faults.update(self.time)
+
+    def state_for_recording(self) -> RecordedState:
+        """The raw state now."""
+        physics = self._physics
+        return RecordedState(
+            time_s=float(self.time),
+            position_I_m=physics.position_I,
+            velocity_I_m_s=physics.velocity_I,
+            attitude_IB=physics.attitude_IB,
+            rate_B_rad_s=physics.rate_B,
+            wheel_speeds_rad_s=tuple(physics.wheel_speeds_rad_s),
+            wing_angles_rad=tuple(physics.wing_angles_rad),
+            mass_kg=self._assembly.total_mass_kg - self._engine.xenon_used_kg,
+            thrust_I_N=self._thrust_I,
+            sun_direction_I=self.environment.sun_direction_I(self.time),
+            active_faults=self._faults.active,
+        )
+
+    def angular_momentum_I(self) -> Vector:
+        """Of spacecraft and wheels about the centre of mass, N m s: constant, as nothing outside turns it."""
+        return self._physics.angular_momentum_I()
+
+    def render(self, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+        """What a camera sees now: `micas` or `chase`, as rows, columns and RGB of 0 to 255.
+
+        Raises `RenderingUnavailable` without offscreen OpenGL, `ConfigurationError` for another camera or size.
+        """
+        if self._renderer is None:
+            self._renderer = Renderer(self._assembly.model, self.environment)
+        thrusting = self._engine.state == "thrusting"
+        pose = self._physics.scratch()
+        return self._renderer.render(pose, camera, width, height, time_s=float(self.time), thrusting=thrusting)
+
+    def close(self) -> None:
+        """Give back what the renderer holds; the spacecraft flies on."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def _tick(self, dt_s: float) -> None:
+        controls = self._steer(dt_s)
+        self._thrust()
+        self._operate(dt_s)
+        self._physics.advance(self._steps, controls, self._thrust_I)
+        self._ticks += 1
+        self._wheels.observe(self._physics.wheel_speeds_rad_s)
+        self._control.observe(dt_s, self._physics.attitude_IB, self._physics.rate_B)
+        self._balance()
+        self._faults.update(self.time)
+
+    def _steer(self, dt_s: float) -> list[float]:
+        torque_B = self._control.step(dt_s, self._wheels.momentum_B)
+        wing = self._wings.step(dt_s, self._sun_B)
+        return [*self._wheels.step(dt_s, torque_B), wing, wing]
+
+    def _thrust(self) -> None:
+        thrust = self._engine.thrust_N
+        if thrust == 0.0:
+            self._thrust_I = (0.0, 0.0, 0.0)
+            return
+        x, y, z = rotate(self._physics.attitude_IB, THRUST_AXIS_B)
+        self._thrust_I = (thrust * x, thrust * y, thrust * z)
+        used_kg = self._engine.xenon_used_kg
+        if used_kg - self._xenon_removed_kg >= _XENON_GRAIN_KG:
+            self._xenon_removed_kg = used_kg
+            self._physics.set_xenon_used(used_kg)
+
+    def _operate(self, dt_s: float) -> None:
+        attitude_IB, time_s = self._physics.attitude_IB, float(self.time)
+        self._power.step(dt_s)
+        self._engine.step(dt_s)
+        if self._camera.shutter_open:
+            error = self.environment.pointing_error_rad(attitude_IB, self._camera.target, time_s)
+            self._camera.watch(error, self._control.rate_rad_s)
+        frame = self._camera.step(dt_s)
+        if frame is not None and self._recorder.store(self._config.image_Mbit) and frame:
+            self._camera.images += 1
+        if self._radio.state == "downlinking":
+            error = self.environment.pointing_error_rad(attitude_IB, self.environment.earth, time_s)
+            self._recorder.play(self._radio.step(dt_s, error <= self._config.antenna_half_beam_rad))
+
+    def _balance(self) -> None:
+        self._camera.supply(not self._power.undervoltage)
+        if self._power.undervoltage:
+            self._engine.trip()
+            self._radio.trip()
+        load_W = self._engine.power_W + self._camera.power_W + self._radio.power_W
+        self._sun_B = rotate_inverse(self._physics.attitude_IB, self.environment.sun_direction_I(self.time))
+        self._power.observe(self._wings.incidence_cosine(self._physics.wing_angles_rad, self._sun_B), load_W)
+
+    def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
+        if self._power.undervoltage and name in _SWITCH_ON and arguments.get("on") is not False:
+            return _UNDERVOLTAGE
+        actions: dict[str, Callable[[], str | None]] = {
+            "acs.point": lambda: self._point("wheels", str(arguments["target"])),
+            "acs.standby": lambda: self._point("standby", self.environment.earth),
+            "ips.start": self._engine.start,
+            "ips.thrust": lambda: self._engine.thrust(int(arguments["level"])),
+            "ips.idle": self._engine.idle,
+            "ips.stop": self._engine.stop,
+            "micas.power": lambda: self._camera.power(bool(arguments["on"])),
+            "micas.expose": lambda: self._camera.expose(str(arguments["target"]), float(arguments["seconds"])),
+            "radio.power": lambda: self._radio.power(bool(arguments["on"])),
+            "radio.downlink": lambda: self._radio.downlink(bool(arguments["on"])),
+        }
+        return actions[name]()
+
+    def _point(self, mode: str, target: str) -> str | None:
+        self._control.point(mode, target, self.environment.target_attitude_IB(target, float(self.time)))
+        return None
+
+    def _fault_hooks(self) -> dict[str, FaultHook]:
+        hooks: dict[str, FaultHook] = {
+            "acs": self._control,
+            "wheels": self._wheels,
+            "ips": self._engine,
+            "micas": self._camera,
+            "power": self._power,
+            "radio": self._radio,
+            "recorder": self._recorder,
+        }
+        hooks.update({f"terminal.{name}": terminal for name, terminal in self._terminals.items()})
+        return hooks

@@ -1,0 +1,383 @@
+"""Scripted environments: a plant that follows a table, a small domain, and a planner that lays out turn and image.
+
+The domain: a craft that turns (nature decides how long) and takes images while it holds the target. Goals are images.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from executive.bindings import (
+    Activity,
+    Bindings,
+    Conclusion,
+    Confirmation,
+    Finish,
+    Maintained,
+    Monitor,
+    Response,
+    Send,
+    Standby,
+)
+from executive.conditions import Condition, Telemetry
+from executive.executive import Executive
+from executive.journal import Journal
+from executive.port import Acknowledgement, Command, Observation, Plant, TelemetryValue
+from executive.records import Settings
+from planner.plan import ORIGIN, Bounds, FlexiblePlan, PlanConstraint, PlanTimeline, PlanToken, Value
+from planner.problem import DroppedGoal, Goal, Planner, PlanningResult, Problem, TokenPattern
+
+INFINITY = float("inf")
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """What one sending of a command does: `after` some seconds `changes` appear. `"$x"` is the argument x.
+
+    `answer`: True accepted, False refused, None a dead terminal.
+    """
+
+    after: int = 1
+    changes: Mapping[str, TelemetryValue] = field(default_factory=dict)
+    answer: bool | None = True
+    then: tuple[tuple[int, Mapping[str, TelemetryValue]], ...] = ()
+
+
+class ScriptedPlant:
+    """Follows a table: for each command its reactions (the last one repeats), and what happens by itself."""
+
+    def __init__(
+        self,
+        telemetry: Mapping[str, TelemetryValue],
+        reactions: Mapping[str, Sequence[Reaction]],
+        events: Mapping[int, Mapping[str, TelemetryValue]] | None = None,
+    ) -> None:
+        self.now: int | None = None
+        self.sent: list[Command] = []
+        self._values: dict[str, TelemetryValue] = dict(telemetry)
+        self._changed: dict[str, TelemetryValue] = dict(telemetry)
+        self._reactions = {name: list(known) for name, known in reactions.items()}
+        self._queue: list[tuple[int, int, Mapping[str, TelemetryValue]]] = [
+            (time, number, changes) for number, (time, changes) in enumerate((events or {}).items())
+        ]
+        self._answers: list[Acknowledgement] = []
+
+    def send(self, command: Command) -> None:
+        assert self.now is not None
+        self.sent.append(command)
+        known = self._reactions.get(command.name)
+        if known is None:
+            self._answers.append(Acknowledgement(command.id, False, "unknown command"))
+            return
+        reaction = known.pop(0) if len(known) > 1 else known[0]
+        if reaction.answer is not None:
+            reason = "" if reaction.answer else "refused by script"
+            self._answers.append(Acknowledgement(command.id, reaction.answer, reason))
+        for after, changes in ((reaction.after, reaction.changes), *reaction.then):
+            filled = {
+                name: command.arguments[value[1:]] if isinstance(value, str) and value.startswith("$") else value
+                for name, value in changes.items()
+            }
+            self._queue.append((self.now + after, 1000 + len(self.sent), filled))
+
+    def advance(self, until: int) -> Observation:
+        assert self.now is None or until > self.now
+        self.now = until
+        due = sorted((entry for entry in self._queue if entry[0] <= until), key=lambda entry: entry[:2])
+        self._queue = [entry for entry in self._queue if entry[0] > until]
+        for _, _, changes in due:
+            for name, value in changes.items():
+                if self._values.get(name) != value:
+                    self._values[name] = self._changed[name] = value
+        changes, self._changed = self._changed, {}
+        answers, self._answers = tuple(self._answers), []
+        return Observation(until, changes, answers)
+
+
+# -- the domain --------------------------------------------------------------------------------------------------------
+
+AT_START: dict[str, TelemetryValue] = {
+    "acs.mode": "hold",
+    "acs.target": "earth",
+    "acs.settled": True,
+    "camera.state": "ready",
+    "camera.images": 0,
+    "noise": 0.0,
+}
+DEAD = Conclusion("camera dead", "the camera does not take images any more")
+LOST = Conclusion("wheel lost", "the attitude control gave up")
+
+
+def turn(seconds: int, overhead: int = 1) -> Reaction:
+    """A turn that begins to show after `overhead` seconds and is done after `seconds`."""
+    moving: dict[str, TelemetryValue] = {"acs.mode": "turn", "acs.target": "$target", "acs.settled": False}
+    return Reaction(overhead, moving, then=((seconds, {"acs.mode": "hold", "acs.settled": True}),))
+
+
+def image(seconds: int, count: int) -> Reaction:
+    return Reaction(
+        1, {"camera.state": "exposing"}, then=((seconds, {"camera.state": "ready", "camera.images": count}),)
+    )
+
+
+def reactions(**changed: Sequence[Reaction]) -> dict[str, Sequence[Reaction]]:
+    """The nominal table; keywords replace rows (`turn`, `image`, `standby`, `halt`, `reset`)."""
+    rows: dict[str, Sequence[Reaction]] = {
+        "acs.turn": changed.get("turn", [turn(10)]),
+        "camera.image": changed.get("image", [image(4, 1), image(4, 2), image(4, 3)]),
+        "camera.close": changed.get("close", [Reaction()]),
+        "safe.standby": changed.get(
+            "standby", [Reaction(2, {"acs.mode": "hold", "acs.target": "earth", "acs.settled": True})]
+        ),
+        "camera.halt": changed.get("halt", [Reaction(1, {"camera.state": "ready"})]),
+        "camera.reset": changed.get("reset", [Reaction(1, {"camera.state": "ready"})]),
+    }
+    return rows
+
+
+def state(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPattern, ...]:
+    camera = "Camera.dead" if "camera dead" in conclusions else "Camera.idle"
+    return (
+        TokenPattern("Attitude.holding", "acs", {"target": str(telemetry["acs.target"])}),
+        TokenPattern(camera, "camera"),
+    )
+
+
+HOLDS = Condition("acs.settled", "==", True)
+
+
+def bindings(*monitors: Monitor, image_retries: int = 1, hold_early: bool = False) -> Bindings:
+    return Bindings(
+        activities=(
+            Activity(
+                "Attitude.turning",
+                parameters=("target",),
+                contingent=True,
+                start=(Send("acs.turn", {"target": "$target"}),),
+                started=Confirmation((Condition("acs.target", "==", "$target"),), within=3),
+                finish=Finish((Condition("acs.mode", "==", "hold"), HOLDS), hold_early=hold_early),
+            ),
+            Activity(
+                "Attitude.holding",
+                parameters=("target",),
+                maintained=(Maintained("pointing", (HOLDS, Condition("acs.target", "==", "$target")), persistence=1),),
+            ),
+            Activity(
+                "Camera.imaging",
+                parameters=("target",),
+                contingent=True,
+                start=(Send("camera.image", {"target": "$target"}),),
+                started=Confirmation(
+                    (Condition("camera.state", "==", "exposing"),), 3, retries=image_retries, conclusion=DEAD
+                ),
+                finish=Finish((Condition("camera.images", "increased_by", 1),)),
+                end=(Send("camera.close"),),
+                stop=(Send("camera.halt"),),
+            ),
+        ),
+        standby=Standby((Send("safe.standby"),), Confirmation((Condition("acs.target", "==", "earth"), HOLDS), 10)),
+        state=state,
+        state_channels=("acs.target",),
+        monitors=monitors,
+    )
+
+
+STUCK = Monitor("camera-stuck", (Condition("camera.state", "==", "stuck"),), 2, DEAD)
+RESET = replace(STUCK, responses=(Response("reset", (Send("camera.reset"),), within=3, attempts=2),))
+TUMBLES = Monitor("tumbling", (Condition("acs.mode", "==", "tumble"),), 0, LOST)
+
+
+# -- plans -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Draft:
+    """A plan being written down. Each timeline's tokens meet; bounds of starts and ends are propagated at the end."""
+
+    horizon: tuple[int, int]
+    tokens: dict[str, PlanToken] = field(default_factory=dict)
+    lines: dict[tuple[str, str], list[str]] = field(default_factory=dict)
+    constraints: list[PlanConstraint] = field(default_factory=list)
+
+    def token(
+        self,
+        line: tuple[str, str],
+        predicate: str,
+        duration: Bounds = (0, None),
+        parameters: Mapping[str, Value] | None = None,
+        contingent: bool = False,
+        goal: str | None = None,
+        master: str | None = None,
+    ) -> str:
+        token_id = f"t{len(self.tokens) + 1}"
+        before = self.lines.setdefault(line, [])
+        if before:
+            self.at(f"{before[-1]}.end", f"{token_id}.start", 0, 0, "meets")
+        before.append(token_id)
+        any_time: Bounds = (None, None)
+        self.tokens[token_id] = PlanToken(
+            token_id, *line, predicate, parameters or {}, any_time, any_time, duration, contingent, goal, False, master
+        )
+        return token_id
+
+    def at(self, from_: str, to: str, lower: int | None, upper: int | None, why: str) -> None:
+        self.constraints.append(PlanConstraint(from_, to, lower, upper, why))
+
+    def plan(self) -> FlexiblePlan:
+        bounds = self._propagated()
+        tokens = tuple(
+            replace(token, start=bounds[f"{i}.start"], end=bounds[f"{i}.end"]) for i, token in self.tokens.items()
+        )
+        lines = tuple(PlanTimeline(*line, tuple((i,) for i in ids)) for line, ids in self.lines.items())
+        objects = tuple(dict.fromkeys(line[0] for line in self.lines))
+        return FlexiblePlan("scripted", self.horizon, objects, lines, tokens, tuple(self.constraints))
+
+    def _propagated(self) -> dict[str, Bounds]:
+        """Bellman and Ford, plainly. A token that no rule and no goal asked for holds at the start of the horizon."""
+        opening = self.horizon[0]
+        lower = {f"{i}.{which}": float(opening) for i in self.tokens for which in ("start", "end")} | {ORIGIN: 0.0}
+        upper = dict.fromkeys(lower, INFINITY) | {ORIGIN: 0.0}
+        for i, token in self.tokens.items():
+            if token.master is None and token.goal is None:
+                upper[f"{i}.start"] = float(opening)
+        links = [(c.from_, c.to, c.min, c.max) for c in self.constraints]
+        links += [(f"{i}.start", f"{i}.end", *token.duration) for i, token in self.tokens.items()]
+        for _ in lower:
+            before = dict(lower), dict(upper)
+            for x, y, least, most in links:
+                if least is not None:
+                    lower[y] = max(lower[y], lower[x] + least)
+                    upper[x] = min(upper[x], upper[y] - least)
+                if most is not None:
+                    upper[y] = min(upper[y], upper[x] + most)
+                    lower[x] = max(lower[x], lower[y] - most)
+            if before == (lower, upper):
+                break
+        return {name: (int(lower[name]), None if upper[name] == INFINITY else int(upper[name])) for name in lower}
+
+
+ATTITUDE, CAMERA = ("acs", "attitude"), ("camera", "mode")
+TURN, EXPOSURE = (5, 20), (3, 8)
+
+
+def layout(
+    problem: Problem, turn: Bounds = TURN, exposure: Bounds = EXPOSURE, latest_end: int | None = None
+) -> FlexiblePlan:
+    """For every goal in turn: turn to its target, and image it while holding it; then hold the last one.
+
+    `latest_end`: from the start of the holding to the end of the image.
+    """
+    draft = Draft(problem.horizon)
+    holding, camera = problem.state
+    draft.token(ATTITUDE, holding.predicate, parameters={k: str(v) for k, v in holding.parameters.items()})
+    draft.token(CAMERA, camera.predicate)
+    for goal in problem.goals:
+        target = {"target": goal.id.removeprefix("image-")}
+        taken = draft.token(CAMERA, "Camera.imaging", exposure, target, contingent=True, goal=goal.id)
+        draft.token(ATTITUDE, "Attitude.turning", turn, target, contingent=True, master=taken)
+        held = draft.token(ATTITUDE, "Attitude.holding", parameters=target, master=taken)
+        draft.token(CAMERA, "Camera.idle", master=taken)
+        draft.at(f"{held}.start", f"{taken}.start", 0, None, f"{goal.id} while holding")
+        if latest_end is not None:
+            draft.at(f"{held}.start", f"{taken}.end", None, latest_end, f"{goal.id} soon")
+        draft.at(f"{taken}.end", f"{held}.end", 0, None, f"{goal.id} while holding")
+    return draft.plan()
+
+
+def planner(problem: Problem) -> PlanningResult:
+    """Images as long as the camera lives."""
+    if any(pattern.predicate == "Camera.dead" for pattern in problem.state):
+        dropped = tuple(DroppedGoal(goal.id, "unreachable", "the camera is dead") for goal in problem.goals)
+        return PlanningResult(layout(replace(problem, goals=())), dropped)
+    return PlanningResult(layout(problem))
+
+
+def goals(*names: str) -> tuple[Goal, ...]:
+    """Images of those targets, the first with the highest priority."""
+    return tuple(
+        Goal(f"image-{name}", TokenPattern("Camera.imaging", "camera"), priority=len(names) - i)
+        for i, name in enumerate(names)
+    )
+
+
+# -- a run -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Run:
+    """A finished run and its journal."""
+
+    executive: Executive
+    text: str
+
+    @property
+    def entries(self) -> list[dict[str, object]]:
+        return [json.loads(line) for line in self.text.splitlines()]
+
+    def times(self) -> dict[str, int]:
+        """When each timepoint was executed, the latest plan's for each name."""
+        return {str(e["timepoint"]): int(str(e["t"])) for e in self.entries if e["event"] == "timepoint.executed"}
+
+    def told(self, *events: str) -> list[dict[str, object]]:
+        return [entry for entry in self.entries if entry["event"] in events]
+
+
+def fly(
+    plant: Plant,
+    bound: Bindings | None = None,
+    plan: Planner = planner,
+    wanted: tuple[Goal, ...] | None = None,
+    horizon: tuple[int, int] = (0, 120),
+    settings: Settings | None = None,
+    step: Callable[[Executive], None] | None = None,
+) -> Run:
+    stream = io.StringIO()
+    chosen = settings or Settings("scripted", 1, budget=5, retry_delay=10)
+    executive = Executive(
+        plant,
+        bindings() if bound is None else bound,
+        plan,
+        goals("vesta") if wanted is None else wanted,
+        horizon,
+        Journal(stream),
+        chosen,
+    )
+    if step is None:
+        executive.run_until(horizon[1])
+    else:
+        step(executive)
+    executive.finish()
+    return Run(executive, stream.getvalue())
+
+
+_QUIET = {"observation", "bounds", "timepoint.executed", "command.acknowledged"}
+
+
+def transcript(run: Run, since: int = 0, until: int = 1000) -> str:
+    """The journal in short: a line an event, without what only a chart needs."""
+    lines = []
+    for entry in run.entries:
+        event = str(entry["event"])
+        if event in _QUIET or not since <= int(str(entry["t"])) <= until:
+            continue
+        words = [f"{entry['t']:>3} {event}"]
+        if event.startswith("token."):
+            arguments = entry["parameters"]
+            assert isinstance(arguments, dict)
+            words.append(f"{entry['token']} {entry['predicate']}({', '.join(map(str, arguments.values()))})")
+            words += [str(entry[name]) for name in ("verdict", "reason") if name in entry]
+        else:
+            words += [
+                f"{n}={_short(v)}" for n, v in entry.items() if n not in ("t", "event", "scenario", "seed", "text")
+            ]
+        lines.append(" ".join(words))
+    return "".join(line + "\n" for line in lines)
+
+
+def _short(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{k}: {v}" for k, v in value.items()) + "}"
+    return str(value)

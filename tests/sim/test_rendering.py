@@ -1,0 +1,110 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from sim import ConfigurationError, RenderingUnavailable, Spacecraft, SpacecraftConfig, offscreen
+from sim.sky import make_sky, star_image
+
+
+@pytest.fixture
+def gl():
+    try:
+        offscreen.find_backend()
+    except RenderingUnavailable as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.mark.gl
+@pytest.mark.usefixtures("gl")
+def test_micas_sees_its_asteroid_and_stars_and_chase_the_spacecraft():
+    craft = Spacecraft(SpacecraftConfig(initial_target="asteroid_a"), 1)
+    frame = craft.render("micas", 256, 192)
+    assert (frame.shape, frame.dtype) == ((192, 256, 3), np.uint8)
+    # 1.2 mrad at 192 pixels per 0.7 degrees: 19 pixels across, lit from the left, as the Sun is on the body's +X side.
+    middle = frame[84:108, 116:140].max(axis=2).astype(float)
+    assert 60 < np.count_nonzero(middle > 20) < 19 * 19
+    assert middle[:, :12].sum() > 1.5 * middle[:, 12:].sum()
+    elsewhere = frame.copy()
+    elsewhere[80:112, 112:144] = 0
+    assert elsewhere.max() > 50, "stars"
+    assert np.array_equal(frame, craft.render("micas", 256, 192))
+    chase = craft.render("chase", 320, 240)
+    assert np.count_nonzero(chase[60:180, 80:240].max(axis=2)) > 1000
+    craft.close()
+    assert craft.render("chase", 32, 16).shape == (16, 32, 3)
+    craft.close()
+
+
+@pytest.mark.gl
+@pytest.mark.usefixtures("gl")
+def test_pictures_do_not_disturb_the_flight():
+    seen, unseen = Spacecraft(SpacecraftConfig(), 2), Spacecraft(SpacecraftConfig(), 2)
+    for craft in (seen, unseen):
+        craft.send("acs.point", {"target": "asteroid_a"})
+        craft.advance(100)
+    seen.render("chase", 64, 64)
+    for craft in (seen, unseen):
+        craft.advance(200)
+    assert seen.state_for_recording() == unseen.state_for_recording()
+    with pytest.raises(ConfigurationError, match="camera: expected one of micas, chase, found 'selfie'"):
+        seen.render("selfie", 64, 64)
+    with pytest.raises(ConfigurationError, match="found 0 x 64"):
+        seen.render("chase", 0, 64)
+    seen.close()
+
+
+def test_without_opengl_the_flight_goes_on_and_the_error_names_the_packages(monkeypatch):
+    monkeypatch.setattr(offscreen, "_loads", lambda library: False)
+    offscreen.find_backend.cache_clear()
+    try:
+        craft = Spacecraft(SpacecraftConfig(), 1)
+        with pytest.raises(RenderingUnavailable, match=r"libegl1 libgl1.*libosmesa6"):
+            craft.render("chase", 64, 64)
+        craft.advance(10)
+    finally:
+        offscreen.find_backend.cache_clear()
+
+
+def test_a_backend_whose_libraries_load_but_do_not_work_is_passed_over(monkeypatch):
+    monkeypatch.setattr(offscreen, "_loads", lambda library: True)
+    monkeypatch.setattr(offscreen, "_PROBE", "import sys; sys.exit('{backend}' == 'egl' or print('rendering works'))")
+    offscreen.find_backend.cache_clear()
+    try:
+        monkeypatch.delenv("MUJOCO_GL", raising=False)
+        assert offscreen.find_backend() == "osmesa"
+    finally:
+        offscreen.find_backend.cache_clear()
+
+
+def test_importing_the_simulator_touches_no_opengl():
+    code = "import sim, sys; assert not {'OpenGL', 'mujoco.egl', 'mujoco.osmesa'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_sky_is_the_same_for_everybody_and_as_dense_as_the_real_one():
+    sky, again = make_sky(), make_sky()
+    assert np.array_equal(sky.directions_I, again.directions_I)
+    assert np.linalg.norm(sky.directions_I, axis=1) == pytest.approx(1.0)
+    assert np.linalg.norm(sky.directions_I.mean(axis=0)) < 0.005
+    assert np.all(np.diff(sky.magnitudes) > 0.0)
+    assert sky.magnitudes[-1] == 10.0
+
+
+def test_a_star_falls_on_its_pixel():
+    sky = make_sky()
+    brightest = sky.directions_I[0]
+    backward = -brightest
+    right = np.cross([0.0, 0.0, 1.0], backward)
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(backward, right), backward])
+    image = star_image(sky, axes, np.radians(0.7), 101, 81, faintest=10.0)
+    assert np.unravel_index(image.argmax(), image.shape) == (40, 50)
+    offset = 0.1 * np.radians(0.7)
+    cosine, sine = np.cos(offset), np.sin(offset)
+    tilted = np.array([cosine * right - sine * backward, axes[1], sine * right + cosine * backward])
+    image = star_image(sky, tilted, np.radians(0.7), 101, 81, faintest=10.0)
+    row, column = np.unravel_index(image.argmax(), image.shape)
+    assert row == 40
+    assert abs(column - 50) == pytest.approx(0.1 * 81, abs=1.0)
