@@ -8,13 +8,13 @@ BIN = .venv/bin
 
 demo: set-up
 	@set -eu; run='$(RUN)'; \
-	if [ -z "$$run" ]; then run="runs/$(SCENARIO)-$(FAULT)-$$(date -u +%Y%m%dT%H%M%SZ)-$$$$"; fi; \
+	if [ -z "$$run" ]; then run="runs/demo-$$(date -u +%Y%m%dT%H%M%SZ)-$$$$"; fi; \
 	status=0; $(BIN)/remote-agent run $(SCENARIO) --fault $(FAULT) --out "$$run" || status=$$?; \
 	if [ ! -f "$$run/summary.json" ]; then exit $$status; fi; \
-	printf '%s\n' '' "The run is in $$run:" \
-	  "  summary     $$run/summary.json" \
-	  "  report      $$run/report.html (for a browser)" \
-	  "  recording   $$run/run.rrd; look at it with: $(BIN)/remote-agent review $$run"; \
+	printf '%s\n' '' "The run is in $$run: summary.json, report.html (for a browser), run.rrd (the recording)." \
+	  'Look at the recording in the Rerun viewer, or as pictures where there is no display:' \
+	  "  $(BIN)/remote-agent review \"$$run\"" \
+	  "  $(BIN)/remote-agent review \"$$run\" --png \"$$run/pictures\""; \
 	exit $$status
 
 test: lint

@@ -92,6 +92,24 @@ class Activities:
             return []
         return self._confirmed(run, telemetry, now)
 
+    def take_over(self, other: Activities, run: RunningToken, token: PlanToken, now: int) -> None:
+        """Go on with what another plan's token does, under a token of this plan: nothing is stopped or sent again."""
+        before = run.token.id
+        del other.running[before]
+        other.locks.hand_over(before, self.locks, token.id)
+        for transmission in (run.starting, run.ending):
+            if transmission is not None:
+                transmission.serve(token.id)
+        run.token = token
+        self.running[token.id] = run
+        if run.ended is None:
+            self._tell(now, "token.started", token, {"continues": f"{other.plan_id}/{before}"})
+
+    def asks_for_plan(self, token_id: str) -> bool:
+        """Whether what a running token does is asking for the next plan."""
+        run = self.running.get(token_id)
+        return run is not None and run.activity is not None and run.activity.asks_for_plan
+
     def end(self, token_id: str, telemetry: Telemetry, now: int) -> tuple[PlanToken, ...]:
         """The token's end happens now: its locks go, its end commands go out. Returns it if it is over with that."""
         run = self.running[token_id]
@@ -120,7 +138,7 @@ class Activities:
             violations.append(Violation("lock", broken.detail, broken.token, broken.lock.conclusion))
         return Progressed(tuple(ended), tuple(over), tuple(violations))
 
-    def abort(self, violations: Iterable[Violation], now: int) -> None:
+    def abort(self, now: int, violations: Iterable[Violation] = ()) -> None:
         """Stop everything, the latest first: failed tokens with their reasons, all others aborted."""
         reasons: dict[str, str] = {}
         for violation in violations:

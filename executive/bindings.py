@@ -10,6 +10,11 @@ from executive.errors import BindingsError
 from executive.port import TelemetryValue
 from planner.problem import TokenPattern
 
+OWN = "executive."
+"""What the names of the executive's own channels begin with; no plant has them."""
+NEXT_PLAN = f"{OWN}next_plan"
+"""Where asking for the next plan stands: "none", "asked", "ready" or "failed"."""
+
 StateFunction = Callable[[Telemetry, frozenset[str]], tuple[TokenPattern, ...]]
 
 
@@ -80,6 +85,7 @@ class Activity:
     that nature decides the duration, so `finish` is needed. `start`: sent when the token starts, proven by `started`.
     `end`: sent when it ends, proven by `ended`; for a contingent activity that is after its finish was seen.
     `maintained`: locked from the proof of the start to the end. `stop`: brings a running one to a safe halt.
+    `asks_for_plan`: its start asks for the plan of the next horizon.
     """
 
     predicate: str
@@ -92,6 +98,7 @@ class Activity:
     ended: Confirmation = Confirmation()
     maintained: tuple[Maintained, ...] = ()
     stop: tuple[Send, ...] = ()
+    asks_for_plan: bool = False
 
     def __post_init__(self) -> None:
         where = f"activity {self.predicate!r}"
@@ -129,6 +136,15 @@ class Activity:
     def channels(self) -> set[str]:
         """The channels that its conditions read."""
         return {c for _, conditions in self._conditions() for condition in conditions for c in condition.channels()}
+
+
+def plan_next(predicate: str) -> Activity:
+    """The activity whose effect is to ask for the plan of the next horizon; it is over when the planner has answered.
+
+    Nature decides how long that takes: never longer than the deliberation budget, so the domain's bounds must hold it.
+    """
+    answered = Condition(NEXT_PLAN, "!=", "asked")
+    return Activity(predicate, contingent=True, finish=Finish((answered,), hold_early=True), asks_for_plan=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,13 +246,13 @@ class Bindings:
         return self._by_predicate.get(predicate)
 
     def channels(self) -> frozenset[str]:
-        """Every channel that a decision or the journal needs."""
+        """Every channel of a plant that a decision or the journal needs."""
         found = {*self.state_channels, *self.observed}
         for activity in self.activities:
             found |= activity.channels()
         for conditions in (self.standby.confirmation.conditions, *(m.conditions for m in self.monitors)):
             found.update(c for condition in conditions for c in condition.channels())
-        return frozenset(found)
+        return frozenset(name for name in found if not name.startswith(OWN))
 
 
 def _check_references(where: str, values: Iterable[TelemetryValue], known: set[str]) -> None:

@@ -136,6 +136,10 @@ class Transmission:
         missing = self._watch.first_failing(telemetry) if self.confirmation.conditions else "no acknowledgement"
         return f"{names} not confirmed within {self.confirmation.within} s, {tries}: {missing}"
 
+    def serve(self, owner: str) -> None:
+        """What is sent from now on is sent for that token."""
+        self._owner = owner
+
     def no_more_tries(self) -> None:
         """What fails from now on is given up at once."""
         self._retries = 0

@@ -2,7 +2,8 @@
 
 ExecutiveError
     BindingsError   a binding of a domain's predicates that cannot work; says which activity or monitor, and which field
-    JournalError    a journal entry that is not plain data, or comes after the journal was closed
+    JournalError    a journal entry that is not plain data, or comes after the journal was closed; a file that is none
+    ResumeError     a run that cannot be taken up again, because it does not repeat what its journal says
 
 In flight nothing is raised: whatever goes wrong there is a value (`monitor.Violation`) and has a defined consequence.
 """
@@ -19,4 +20,12 @@ class BindingsError(ExecutiveError):
 
 
 class JournalError(ExecutiveError):
-    """The journal cannot take an entry; the message names the event."""
+    """The journal cannot take an entry, or a file is no journal; the message names the event or the line."""
+
+
+class ResumeError(ExecutiveError):
+    """A run flown again departs from its journal; the message says at which line, and both lines."""
+
+
+class RecordedFailure(Exception):
+    """What a planner raised, in the words of the journal; raised in its place when the run is flown again."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from executive import dispatcher as rte
-from executive.activities import Activities
+from executive.activities import Activities, RunningToken, decided
 from executive.bindings import Bindings
 from executive.commands import CommandLink
 from executive.conditions import Telemetry
+from executive.forecast import Forecast, Forecaster
 from executive.journal import Journal
 from executive.monitor import Violation
 from executive.network import PlanNetwork
@@ -21,10 +22,11 @@ from planner.temporal.controllability import DispatchableNetwork
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """What one instant brought: goals whose tokens are over, and what went wrong."""
+    """What one instant brought: goals whose tokens are over, what went wrong, whether the next plan is asked for."""
 
     goals: tuple[str, ...] = ()
     violations: tuple[Violation, ...] = ()
+    asks_for_plan: bool = False
 
 
 class Execution:
@@ -51,22 +53,81 @@ class Execution:
         self._place: dict[str, tuple[int, int]] = {}
         self._goals: dict[str, tuple[str, ...]] = {}
         # What nothing waits for lasts as long as it may.
-        self._wishes = dict.fromkeys(sorted(network.lasting), network.plan.horizon[1] + 1)
+        self._lasting = dict.fromkeys(sorted(network.lasting), network.plan.horizon[1] + 1)
+        self._wishes = self._lasting
         for line, timeline in enumerate(network.plan.timelines):
             for number, slot in enumerate(timeline.slots):
                 self._place[slot[0]] = (number, line)
                 tokens = (network.plan.token(token_id) for token_id in slot)
                 self._goals[slot[0]] = tuple(token.goal for token in tokens if token.goal is not None)
 
-    def begin(self, telemetry: Telemetry, now: int) -> Happening:
-        """Take over: what holds already has begun."""
+    @property
+    def horizon_end(self) -> int:
+        """The second at which the plan's horizon is over."""
+        return self._network.plan.horizon[1]
+
+    def begin(self, telemetry: Telemetry, now: int, before: Execution | None = None) -> Happening:
+        """Take over: what holds already has begun. `before`: the plan that is joined, whose running tokens go on."""
         self._dispatcher.execute(self._network.index[ORIGIN], 0)
         violations = []
+        continued = {} if before is None else before._continued_by(self._network)
         for token_id, began in self._network.begun.items():
             self._dispatcher.execute(self._network.index[f"{token_id}.start"], began)
-            if token_id in self._place:
-                violations += self._activities.begin(self._network.plan.token(token_id), telemetry, now, began)
+            token = self._network.plan.token(token_id)
+            if before is not None and (run := continued.get(token_id)) is not None:
+                self._goals[token_id] += before._goals[run.token.id]
+                self._activities.take_over(before._activities, run, token, now)
+            elif token_id in self._place:
+                violations += self._activities.begin(token, telemetry, now, began)
+        if before is not None:
+            self._settle_for(before, now)
         return Happening(violations=tuple(violations))
+
+    def _continued_by(self, network: PlanNetwork) -> dict[str, RunningToken]:
+        """Which running token each token that holds at the start of the next plan continues."""
+        runs = {(r.token.object, r.token.attribute): r for r in self._activities.running.values() if r.ended is None}
+        found = {}
+        for token_id in network.begun:
+            token = network.plan.token(token_id)
+            run = runs.get((token.object, token.attribute))
+            if run is not None and run.token.predicate == token.predicate and run.parameters == decided(token):
+                found[token_id] = run
+        return found
+
+    def _settle_for(self, before: Execution, now: int) -> None:
+        """Of the plan before: what has ended is still to be proven, under a name of its own; the rest is stopped."""
+        for run in tuple(before._activities.running.values()):
+            if run.ended is not None:
+                remnant = replace(run.token, id=f"{before.plan_id}/{run.token.id}")
+                self._goals[remnant.id] = before._goals[run.token.id]
+                self._activities.take_over(before._activities, run, remnant, now)
+        before._activities.abort(now)
+
+    def foresee(self, earliest: int | None) -> Forecast | str:
+        """What will be running at the end of the horizon, or, given a second, at the first certain one from it on."""
+        forecaster = Forecaster(self._network, self._dispatcher, self._activities.running)
+        return forecaster.at_end() if earliest is None else forecaster.from_(earliest)
+
+    def hold(self, forecast: Forecast | None) -> None:
+        """Let nothing that a hand-over counts on end before it; None: as early as allowed again."""
+        later = {} if forecast is None else dict.fromkeys(forecast.held, forecast.handover + 1)
+        self._wishes = later | self._lasting
+
+    def departs(self, forecast: Forecast) -> str | None:
+        """What is not as was foretold for now; None when everything is."""
+        for (thing, attribute), token_id in forecast.running.items():
+            run = self._activities.running.get(token_id)
+            if run is None or run.ended is not None:
+                predicate = self._network.plan.token(token_id).predicate
+                return f"expected {predicate} ({token_id}) to be running on {thing}.{attribute}"
+        return None
+
+    def goals_until(self, forecast: Forecast | None) -> frozenset[str]:
+        """The goals that this plan serves up to a hand-over; None: in all."""
+        if forecast is None:
+            return frozenset(goal for goals in self._goals.values() for goal in goals)
+        tokens = (*forecast.over, *forecast.running.values())
+        return frozenset(goal for token_id in tokens for goal in self._goals[token_id])
 
     def observe(self, telemetry: Telemetry, now: int) -> Happening:
         """One observation: what nature ended, what is proven, what went wrong."""
@@ -98,20 +159,24 @@ class Execution:
                 performed.append(timepoint)
         self._tell_bounds(narrowed, now)
         over: list[PlanToken] = []
+        asks = False
         for token_id, is_start in sorted(self._split(performed), key=lambda effect: self._order(effect, before)):
             if is_start:
                 violations += self._activities.begin(self._network.plan.token(token_id), telemetry, now)
+                asks = asks or self._activities.asks_for_plan(token_id)
             elif token_id in self._activities.running:
                 over += self._activities.end(token_id, telemetry, now)
-        return Happening(self._goals_of(over), tuple(violations))
+        return Happening(self._goals_of(over), tuple(violations), asks)
 
-    def abort(self, violations: Iterable[Violation], now: int) -> None:
+    def abort(self, now: int, violations: Iterable[Violation] = ()) -> None:
         """Give the plan up: every running activity is stopped safely."""
-        self._activities.abort(violations, now)
+        self._activities.abort(now, violations)
 
     def blamed(self, token_id: str) -> tuple[str, ...]:
         """The goals that a token serves: its own, or those of the token whose rule asked for it, and so on upwards."""
         plan = self._network.plan
+        if f"{token_id}.end" not in self._network.index:
+            return self._goals.get(token_id, ())
         seen: set[str] = set()
         above: str | None = token_id
         while above is not None and above not in seen and f"{above}.end" in self._network.index:

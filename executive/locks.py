@@ -39,6 +39,11 @@ class LockTable:
         self._held[token, lock.name] = (wanted, Watch(wanted.conditions, lock.persistence, telemetry, broken=True))
         return None
 
+    def hand_over(self, holder: str, to: LockTable, token: str) -> None:
+        """Give the locks of one token to another table, for the token that goes on as its continuation."""
+        for key in [key for key in self._held if key[0] == holder]:
+            to._held[token, key[1]] = self._held.pop(key)
+
     def release(self, token: str) -> None:
         """Release all locks of a token."""
         for key in [key for key in self._held if key[0] == token]:

@@ -139,7 +139,9 @@ def _token_rows(
     rows: list[tuple[Link, str]] = []
     lower, upper = host.duration
     if host.contingent:
-        rows.append((Link(start, end, lower, upper, True), f"duration of {what}, decided by nature"))
+        # What was running before the plan and still is has not ended yet: the elapsed time is taken off.
+        least = lower if began is None or began >= opening else max(lower or 0, opening - began)
+        rows.append((Link(start, end, least, upper, True), f"duration of {what}, decided by nature"))
     else:
         # Never shorter than nothing, whatever the plan leaves open.
         rows.append((Link(start, end, max(lower or 0, 0), upper), f"duration of {what}"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 from executive.errors import ExecutiveError
@@ -25,6 +26,10 @@ class Settings:
     `longest_delay`. `relax_after`: from this many failures in a row on, each withholds one more level of priority, the
     lowest first. `goal_attempts`: a goal whose tokens failed that often is dropped as unreachable. `facts`: of every
     problem (what the sky and the ground do).
+
+    `waypoints`: where horizons end before the run does, ascending; each is planned for on its own, and the next while
+    the present one executes. `plan_next`: the token whose execution is asking for the next plan (its binding is
+    `bindings.plan_next`), stated in every problem that ends at a waypoint.
     """
 
     scenario: str = ""
@@ -36,6 +41,8 @@ class Settings:
     relax_after: int = 2
     goal_attempts: int = 3
     facts: tuple[TokenPattern, ...] = ()
+    waypoints: tuple[int, ...] = ()
+    plan_next: TokenPattern | None = None
 
     def __post_init__(self) -> None:
         least = {"budget": 1, "retry_delay": 1, "longest_delay": 1, "relax_after": 1, "goal_attempts": 1}
@@ -45,6 +52,12 @@ class Settings:
                 raise ExecutiveError(
                     f"settings.{name}: expected a whole number of at least {smallest}, found {value!r}"
                 )
+        if any(later <= earlier for earlier, later in pairwise(self.waypoints)):
+            raise ExecutiveError(f"settings.waypoints: expected ascending seconds, found {list(self.waypoints)}")
+
+    def horizon_end(self, time: int, run_end: int) -> int:
+        """Where the horizon that holds `time` (seconds) ends: the next waypoint, or the end of the run."""
+        return next((waypoint for waypoint in self.waypoints if time < waypoint < run_end), run_end)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""State now, unfinished goals and a deliberation budget become a problem, and a plan that may be handed over.
+"""State, unfinished goals and a deliberation budget become a problem, and a plan that may be handed over.
 
 Planning takes time on the simulation clock: the new plan's horizon starts when the budget is over. Only a plan whose
 tokens can be executed and that is dynamically controllable comes back; everything else is a failure with its reason.
@@ -6,68 +6,37 @@ tokens can be executed and that is dynamically controllable comes back; everythi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, replace
 
 from executive.bindings import Bindings
+from executive.errors import JournalError, RecordedFailure
+from executive.inputs import Answer, answer_from_json, answer_to_json
 from executive.journal import Journal
 from executive.network import PlanNetwork, loose
-from executive.records import GoalRecord, GoalStatus, Settings
+from executive.records import Settings
 from planner.errors import NetworkFormatError
 from planner.plan import FlexiblePlan
 from planner.problem import Goal, Planner, PlanningResult, Problem, TokenPattern
 from planner.temporal.controllability import DispatchableNetwork, check
 
+PLANNING_PRIORITY = 1_000_000
+"""Of the goal to plan the next horizon: above any goal of a mission."""
 
-class GoalBook:
-    """Where every goal stands. What is achieved or dropped stays so; every change is journalled."""
 
-    def __init__(self, goals: Iterable[Goal], journal: Journal) -> None:
-        self._goals = tuple(goals)
-        self._journal = journal
-        self._records = {goal.id: GoalRecord(goal.id) for goal in self._goals}
-        self._last_words: dict[str, str] = {}
-        self._failed: dict[str, int] = {}
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a plan is wanted for: from `state` at `handover` to `end` (seconds), asked for `now`.
 
-    @property
-    def records(self) -> tuple[GoalRecord, ...]:
-        """All goals in the order given."""
-        return tuple(self._records.values())
+    `failures`: how many plannings for this have failed in a row before.
+    """
 
-    def unfinished(self) -> tuple[Goal, ...]:
-        """The goals neither achieved nor dropped."""
-        return tuple(goal for goal in self._goals if self._records[goal.id].status == "open")
-
-    def achieved(self, goal_id: str, now: int) -> None:
-        """A token of the goal is over, proven."""
-        self._settle(goal_id, "achieved", now, None)
-
-    def dropped(self, goal_id: str, now: int, reason: str) -> None:
-        """The planner left it out for good."""
-        self._settle(goal_id, "dropped", now, reason)
-
-    def failed(self, goal_id: str, now: int, reason: str, limit: int) -> None:
-        """A token that served the goal failed; for the `limit`th time, the goal is not tried again."""
-        self._failed[goal_id] = self._failed.get(goal_id, 0) + 1
-        if self._failed[goal_id] >= limit:
-            self.dropped(goal_id, now, f"unreachable: failed {limit} times, the last time {reason}")
-
-    def left_out(self, goal_id: str, reason: str) -> None:
-        """The plan in execution does without it; the next may not. Said if the goal is missed in the end."""
-        self._last_words[goal_id] = reason
-
-    def missed(self, now: int) -> None:
-        """The run is over: what is open now is missed."""
-        for goal in self.unfinished():
-            reason = self._last_words.get(goal.id, "not achieved before the end of the run")
-            self._settle(goal.id, "missed", now, reason)
-
-    def _settle(self, goal_id: str, status: GoalStatus, now: int, reason: str | None) -> None:
-        record = self._records.get(goal_id)
-        if record is None or record.status != "open":
-            return
-        self._records[goal_id] = GoalRecord(goal_id, status, now, reason)
-        self._journal.write(now, "goal", {"id": goal_id, "status": status, "reason": reason})
+    now: int
+    handover: int
+    end: int
+    state: tuple[TokenPattern, ...]
+    goals: tuple[Goal, ...]
+    failures: int = 0
 
 
 @dataclass(frozen=True)
@@ -98,44 +67,68 @@ class Failed:
 
 
 class Replanner:
-    """Asks the planner. Holds what earlier failures taught: a longer budget, goals to withhold. Times are seconds."""
+    """Asks the planner and writes down its answer. What an overrun taught is kept: a longer budget (seconds)."""
 
-    def __init__(self, planner: Planner, bindings: Bindings, settings: Settings, horizon_end: int) -> None:
+    def __init__(self, planner: Planner, bindings: Bindings, settings: Settings, journal: Journal) -> None:
         self._planner = planner
         self._bindings = bindings
         self._settings = settings
-        self._horizon_end = horizon_end
+        self._journal = journal
         self.budget = settings.budget
 
-    def is_too_late(self, now: int) -> bool:
-        """No plan could be handed over before the end of the horizon."""
-        return now + self.budget >= self._horizon_end
-
-    def plan(self, now: int, state: tuple[TokenPattern, ...], goals: tuple[Goal, ...], failures: int) -> Ready | Failed:
-        """Plan from that state for those goals. `failures`: how many plannings in a row have failed before."""
-        asked, withheld = self._relaxed(goals, failures)
-        handover = now + self.budget
-        problem = Problem((handover, self._horizon_end), state, self._settings.facts, asked)
-        try:
-            result = self._planner(problem)
-        except Exception as error:  # whatever the planner does, the executive goes on
-            return Failed(f"the planner raised {type(error).__name__}: {error}", handover, self.budget)
-        charged = self.budget if self._settings.deliberation is None else self._settings.deliberation(result)
+    def plan(self, request: Request) -> Ready | Failed:
+        """Plan from a state for goals. The plan comes `budget` after the request at the latest, or not at all."""
+        asked, withheld = self._relaxed(request.goals, request.failures)
+        horizon = (request.handover, request.end)
+        facts = tuple(fact for fact in self._settings.facts if _concerns(fact, horizon))
+        answer = self._ask(Problem(horizon, request.state, facts, (*self._planning_goal(request.end), *asked)), request)
+        if isinstance(answer, Failed):
+            return answer
+        result, charged = answer.result, answer.charged
+        known = request.now + charged
+        if answer.raised is not None:
+            return Failed(f"the planner raised {answer.raised}", known, charged)
         if charged > self.budget:
             reason = f"the planner took {charged} s, its budget was {self.budget} s"
             self.budget = charged
-            return Failed(reason, now + charged, charged)
+            return Failed(reason, known, charged)
         if result.plan is None:
-            return Failed(result.reason or "the planner found no plan and gave no reason", now + charged, charged)
-        judged = self._judge(result.plan, handover)
+            return Failed(result.reason or "the planner found no plan and gave no reason", known, charged)
+        judged = self._judge(result.plan, request.handover)
         if isinstance(judged, str):
-            return Failed(judged, now + charged, charged)
-        network, dispatchable = judged
-        return Ready(result, network, dispatchable, state, handover, charged, withheld)
+            return Failed(judged, known, charged)
+        return Ready(result, *judged, request.state, request.handover, charged, withheld)
 
     def delay(self, failures: int) -> int:
         """How long to wait after that many failures in a row."""
         return int(min(self._settings.retry_delay * 2 ** min(failures - 1, 16), self._settings.longest_delay))
+
+    def _ask(self, problem: Problem, request: Request) -> Answer | Failed:
+        """The planner's answer as the journal has it: what is executed is what was written down."""
+        raised = None
+        try:
+            result = self._planner(problem)
+        except RecordedFailure as recorded:
+            result, raised = PlanningResult(None), str(recorded)
+        except Exception as error:  # whatever the planner does, the executive goes on
+            result, raised = PlanningResult(None), f"{type(error).__name__}: {error}"
+        charged = self.budget
+        if raised is None and self._settings.deliberation is not None:
+            charged = self._settings.deliberation(result)
+        try:
+            content = answer_to_json(Answer(result, raised, charged))
+            self._journal.write(request.now, "plan.answered", content)
+            answer = answer_from_json(json.loads(json.dumps(content, sort_keys=True)))
+        except JournalError as error:
+            return Failed(f"the planner's answer is not plain data: {error}", request.now + charged, charged)
+        return replace(answer, result=replace(answer.result, statistics=result.statistics))
+
+    def _planning_goal(self, end: int) -> tuple[Goal, ...]:
+        """In a horizon that ends at a waypoint the next one is planned for; that comes before all else."""
+        pattern = self._settings.plan_next
+        if pattern is None or end not in self._settings.waypoints:
+            return ()
+        return (Goal(f"plan-next-{end}", replace(pattern, end=(None, end)), PLANNING_PRIORITY),)
 
     def _relaxed(self, goals: tuple[Goal, ...], failures: int) -> tuple[tuple[Goal, ...], tuple[str, ...]]:
         """The goals to ask for, and those withheld: one level of priority for each failure too many."""
@@ -159,6 +152,12 @@ class Replanner:
         if verdict.network is None:
             return f"the plan is not dynamically controllable: {network.explain(verdict.conflict)}"
         return network, verdict.network
+
+
+def _concerns(fact: TokenPattern, horizon: tuple[int, int]) -> bool:
+    """Whether a fact may be about the horizon at all: neither over before it nor yet to come after it."""
+    over, coming = fact.end[1], fact.start[0]
+    return (over is None or over > horizon[0]) and (coming is None or coming < horizon[1])
 
 
 def unbound(plan: FlexiblePlan, bindings: Bindings) -> str | None:

@@ -6,6 +6,7 @@ import math
 
 from planner.constraints.network import ConstraintNetworkManager
 from planner.domains import Interval
+from planner.errors import ModelError, ProblemError
 from planner.model.manager import ModelManager
 from planner.problem import TokenPattern
 from planner.temporal.network import TemporalNetworkManager
@@ -31,9 +32,12 @@ class PlanDatabase:
         """Add a token that the problem states; the caller propagates.
 
         A goal lies inside the horizon. A token of the initial state or a fact without a start of its own begins
-        with the horizon.
+        with the horizon. ProblemError for a pattern that means nothing in the model.
         """
-        declared = self.model.predicate_named(pattern.predicate)
+        try:
+            declared = self.model.predicate_named(pattern.predicate)
+        except ModelError as error:
+            raise ProblemError(f"{name}: {error}") from error
         token = self.tokens.create((declared.cls, declared.name), name, role, name)
         apply_pattern(self.tokens, token, pattern)
         start, end = self.horizon

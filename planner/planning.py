@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 from planner.constraints.network import Inconsistency, Owner
 from planner.database import PlanDatabase
-from planner.errors import ProblemError
+from planner.errors import ModelError, ProblemError
 from planner.extraction import extract
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, SearchStatistics
-from planner.search.chronological import Limits, Outcome, search
+from planner.search.chronological import search
+from planner.search.outcome import Limits, Outcome
 
 Acceptance = Callable[[FlexiblePlan], bool]
 """Judges a complete plan beyond the model, for example whether it is dynamically controllable."""
+
+
+_STATED = re.compile(r"^(?:state|fact) \d+ \((.+)\)$")
 
 
 @dataclass(slots=True)
@@ -32,7 +37,8 @@ def plan(
     """Plan for as many goals as can be achieved together, the higher priority first.
 
     All goals at once if possible. Otherwise each goal in order of priority is kept if a plan with it and those kept
-    before exists, and dropped with the reason if not. ProblemError for a problem that means nothing.
+    before exists, and dropped with the reason if not. `limits` are those of each attempt. ProblemError for a problem
+    that means nothing, ModelError for a model that is not closed.
     """
     return _Planning(model, problem, limits or Limits(), accept).solve()
 
@@ -44,6 +50,8 @@ class _Planning:
         self.limits = limits
         self.accept = accept
         self.statistics = SearchStatistics()
+        if not model.is_closed:
+            raise ModelError(f"model {model.name}: expected to be closed to new objects before planning")
         start, end = problem.horizon
         if start >= end:
             raise ProblemError(f"horizon: expected a start before the end, found [{start} {end}]")
@@ -75,9 +83,9 @@ class _Planning:
         alone = self.attempt([goal]) if kept else failure
         if alone.plan is not None:
             beside = ", ".join(g.id for g in kept)
-            return DroppedGoal(goal.id, "outbid", f"not beside {beside}: {failure.reason}")
-        kind = "unreachable" if alone.decided else "undecided"
-        return DroppedGoal(goal.id, kind, alone.reason)
+            reason = f"not beside {beside}: {failure.reason}"
+            return DroppedGoal(goal.id, "outbid" if failure.decided else "undecided", reason)
+        return DroppedGoal(goal.id, "unreachable" if alone.decided else "undecided", alone.reason)
 
     def attempt(self, goals: Sequence[Goal]) -> _Attempt:
         started = perf_counter()
@@ -89,7 +97,7 @@ class _Planning:
             outcome = search(database, self.limits, self._acceptance(accepted), describe)
         except Inconsistency as inconsistency:
             outcome.exhausted = True
-            outcome.conflicts[describe(database.network.explain(inconsistency))] = 1
+            outcome.conflict = 0, describe(database.network.explain(inconsistency))
         before = self.statistics
         self.statistics = replace(
             before,
@@ -122,14 +130,13 @@ class _Planning:
 
 
 def describe(owners: Sequence[Owner]) -> str:
-    """An explanation in a line: who asked for what cannot be together."""
-    named = dict.fromkeys(owner if isinstance(owner, str) else repr(owner) for owner in owners)
-    return "; ".join(list(named)[:8]) or "the given bounds"
+    """An explanation in a line: what cannot all be. What only follows from something named goes without saying."""
+    named = list(dict.fromkeys(map(str, owners)))
+    roots = [name for name in named if not any(name.endswith(f" of {other}") for other in named)][:8]
+    words = ["the horizon" if name == "horizon" else _STATED.sub(r"\1 at the start", name) for name in roots]
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else "".join(words) or "the given bounds"
 
 
 def _reason(outcome: Outcome) -> str:
     verdict = "no plan exists" if outcome.exhausted else f"no plan found in {outcome.steps} steps"
-    if not outcome.conflicts:
-        return verdict
-    common = max(outcome.conflicts, key=lambda text: outcome.conflicts[text])
-    return f"{verdict}; in conflict: {common}"
+    return verdict if outcome.conflict is None else f"{verdict}; in conflict: {outcome.conflict[1]}"

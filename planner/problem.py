@@ -51,7 +51,10 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class DroppedGoal:
-    """A goal that the plan leaves out. `unreachable`: not even alone; `outbid`: not beside those of higher priority."""
+    """A goal that the plan leaves out.
+
+    `unreachable`: not even alone; `outbid`: not beside those of higher priority; `undecided`: the limits came first.
+    """
 
     id: str
     kind: Literal["unreachable", "outbid", "undecided"]

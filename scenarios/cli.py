@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -17,9 +17,12 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
     help="A spacecraft autonomy testbed: plan, fly, break, replan, record.",
 )
-stnu_app = typer.Typer(no_args_is_help=True, help="Temporal networks with uncertainty: check and simulate.")
+stnu_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Temporal networks with uncertainty: check and simulate."
+)
 app.add_typer(stnu_app, name="stnu")
 
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output and nothing else there.")]
@@ -71,12 +74,24 @@ def list_engines(as_json: AsJson = False) -> None:
 def run_scenario(
     scenario: Annotated[str, typer.Argument(help="A built-in scenario's name, or the path of a .toml file.")],
     fault: Annotated[
-        list[str] | None, typer.Option(help="NAME or NAME@TIME (seconds or 3h20m), instead of the scenario's own faults.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[@TIME]",
+            help="Inject this fault instead of the scenario's own; can be repeated. TIME: seconds or 3h20m; without it, "
+            "the time that the scenario gives.",
+        ),
     ] = None,
     no_faults: Annotated[bool, typer.Option("--no-faults", help="Inject no fault.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of everything that is random.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="The run folder; made, must not hold anything.")] = None,
-    images: Annotated[bool, typer.Option("--images/--no-images", help="Render the cameras.")] = True,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="The run folder, which must not hold anything yet. Without it: runs/SCENARIO, numbered."
+        ),
+    ] = None,
+    images: Annotated[
+        bool, typer.Option("--images/--no-images", help="Render the cameras (needs offscreen OpenGL).")
+    ] = True,
     as_json: AsJson = False,
 ) -> None:
     """Fly a scenario end to end, into a run folder."""
@@ -90,13 +105,16 @@ def run_scenario(
         raise ScenarioError("--fault and --no-faults contradict each other")
     loaded = load(scenario)
     faults = chosen_faults(loaded, [] if no_faults else fault)
-    with _progress(f"{loaded.name}", loaded.horizon, as_json) as advance:
+    with _progress(loaded.name, loaded.horizon, as_json) as (progress, warn):
         from scenarios.folder import new_folder
-        from scenarios.run import RunOptions, run
+        from scenarios.report import write_report
+        from scenarios.run import Flight, Listener, RunOptions
         from scenarios.summary import fell_short
 
+        flight = Flight(loaded, RunOptions(seed, faults, images))
         folder = new_folder(out, loaded.name)
-        summary = run(loaded, RunOptions(seed, faults, images), folder, advance)
+        summary = flight.fly(folder, Listener(progress, warn))
+        write_report(folder)
     if as_json:
         print(json.dumps(summary))
     else:
@@ -109,19 +127,15 @@ def run_scenario(
 @app.command("check")
 def check_plan(
     plan: Annotated[Path, typer.Argument(help="A plan file.")],
-    problem: Annotated[str, typer.Argument(help="The scenario that the plan is for.")],
+    problem: Annotated[str, typer.Argument(help="The scenario that the plan is for: a name, or a .toml file.")],
     as_json: AsJson = False,
 ) -> None:
     """Judge a plan independently of the planner: every violated requirement by name."""
-    from planner.checker import check
     from planner.plan import FlexiblePlan
     from scenarios.config import load
-    from scenarios.ds1.capability import capability_of
-    from scenarios.ds1.domain import build_model
+    from scenarios.judging import violations_of
 
-    judged = FlexiblePlan.load(plan)
-    model = build_model(capability_of(load(problem).spacecraft_config()))
-    violations = check(judged, model)
+    violations = violations_of(FlexiblePlan.load(plan), load(problem))
     if as_json:
         rows = [{"kind": v.kind, "tokens": list(v.tokens), "explanation": v.explanation} for v in violations]
         print(json.dumps({"valid": not violations, "violations": rows}))
@@ -135,22 +149,32 @@ def check_plan(
 @app.command("review")
 def review_run(
     run_dir: Annotated[Path, typer.Argument(help="A run folder.")],
-    png: Annotated[Path | None, typer.Option(help="Write pictures of the recording's tabs here; needs no display.")] = None,
+    png: Annotated[
+        Path | None,
+        typer.Option(help="A folder for pictures of the recording's tabs; needs no display.", metavar="DIR"),
+    ] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Write the report page here; needs no display.", metavar="FILE")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Open a run's recording in the Rerun viewer, or make pictures of it."""
+    """Open a run's recording in the Rerun viewer; or, without a display, make pictures of it or its report page."""
     from scenarios.review import open_viewer, recording_of, take
 
-    recording = recording_of(run_dir)
-    if png is None:
-        open_viewer(recording)
-        return
-    pictures = take(recording, png)
+    made: dict[str, Any] = {}
+    if html is not None:
+        from scenarios.report import write_report
+
+        made["report"] = str(write_report(run_dir, html))
+    if png is not None:
+        made["pictures"] = [str(picture) for picture in take(recording_of(run_dir), png)]
+    if not made:
+        open_viewer(recording_of(run_dir))
     if as_json:
-        print(json.dumps({"pictures": [str(p) for p in pictures]}))
+        print(json.dumps(made))
     else:
-        for picture in pictures:
-            print(picture)
+        for line in (*made.get("pictures", ()), *([made["report"]] if "report" in made else ())):
+            print(line)
 
 
 @stnu_app.command("check")
@@ -158,7 +182,7 @@ def stnu_check(
     files: Annotated[list[Path], typer.Argument(help="Network files.")],
     as_json: AsJson = False,
 ) -> None:
-    """Whether each network is dynamically controllable; one JSON line a file."""
+    """Whether each network is dynamically controllable: one JSON object a line and file. Status 1 if one is not."""
     from time import perf_counter
 
     from planner.temporal.controllability import check
@@ -181,20 +205,54 @@ def stnu_check(
     raise typer.Exit(FELL_SHORT if bad else DONE)
 
 
+@stnu_app.command("simulate")
+def stnu_simulate(
+    files: Annotated[list[Path], typer.Argument(help="Network files.")],
+    runs: Annotated[int, typer.Option(min=1, help="How many executions of each network.")] = 100,
+    strategy: Annotated[
+        Literal["rte", "stn"],
+        typer.Option(help="rte: knows which durations nature decides; stn: takes them for its own to choose."),
+    ] = "rte",
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the durations that are drawn.")] = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Execute networks against drawn durations: one JSON object a line and file. Status 1 if a run broke a link."""
+    from executive.simulate import simulate_file
+    from planner.temporal.stnu import Stnu
+
+    del as_json  # the lines are JSON either way
+    for file in files:
+        Stnu.load(file)  # all of them are read before the first is executed: bad input is told before any result
+    fell_short = False
+    for file in files:
+        row = simulate_file(file, runs, strategy, seed)
+        print(json.dumps(row), flush=True)
+        fell_short |= row["satisfied"] != row["runs"]
+    raise typer.Exit(FELL_SHORT if fell_short else DONE)
+
+
 def _print_rows(rows: list[dict[str, Any]], columns: tuple[str, str], as_json: bool) -> None:
     for row in rows:
         print(json.dumps(row) if as_json else f"{row[columns[0]]:24}{row[columns[1]]}")
 
 
 @contextmanager
-def _progress(title: str, total: int, quiet: bool) -> Iterator[Callable[[int], None]]:
-    """A progress bar on standard error if that is a terminal, else nothing."""
+def _progress(
+    title: str, total: int, quiet: bool
+) -> Iterator[tuple[Callable[[int, str], None], Callable[[str], None]]]:
+    """Functions for progress and for warnings, on standard error: a bar if that is a terminal, else nothing."""
     if quiet or not sys.stderr.isatty():
-        yield lambda _: None
+        yield lambda second, doing: None, lambda text: print(f"remote-agent: {text}", file=sys.stderr)
         return
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True)) as progress:
+    with Progress(console=Console(stderr=True, highlight=False)) as progress:
         task = progress.add_task(title, total=total)
-        yield lambda done: progress.update(task, completed=done)
+
+        def show(second: int, doing: str) -> None:
+            progress.update(task, completed=second, description=f"{title}: {doing}")
+            if doing == "planning":
+                progress.refresh()  # nothing else is told while the planner thinks
+
+        yield show, lambda text: progress.console.print(f"remote-agent: {text}", markup=False, soft_wrap=True)

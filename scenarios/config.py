@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import re
 import tomllib
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -16,9 +17,25 @@ from planner.problem import Goal, TokenPattern
 from scenarios.errors import ScenarioError
 from scenarios.times import seconds_of
 from sim import FAULTS, ConfigurationError, SpacecraftConfig
+from sim.faults import FaultSchedule
 
-Seconds = Annotated[int, BeforeValidator(seconds_of)]
+LONGEST_S = 366 * 86_400
+"""The longest horizon: far beyond any run that is flown second by second, far below what the planner can count."""
+Seconds = Annotated[int, BeforeValidator(seconds_of), Field(ge=0, le=LONGEST_S)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Scalar = str | int | float | bool
+_EPOCH_YEARS = (1950, 2200)
+
+
+def _instant(value: object) -> datetime.datetime:
+    """A date and time of TOML; without an offset it is UTC."""
+    if not isinstance(value, datetime.datetime):
+        raise ValueError("expected a date and time such as 1999-05-19T00:00:00Z")
+    instant = value if value.tzinfo is not None else value.replace(tzinfo=datetime.UTC)
+    first, last = _EPOCH_YEARS
+    if not first <= instant.year < last:
+        raise ValueError(f"expected a year from {first} to {last - 1}")
+    return instant
 
 
 class _Section(BaseModel):
@@ -33,12 +50,15 @@ class GoalSection(_Section):
     parameters: dict[str, Scalar | tuple[Scalar, ...]] = {}
     window: tuple[Seconds, Seconds]
     lasting: Seconds | None = None
-    priority: int = 0
+    priority: Annotated[int, Field(strict=True, ge=-1000, le=1000)] = 0
 
     @model_validator(mode="after")
-    def _window_in_order(self) -> GoalSection:
-        if self.window[0] >= self.window[1]:
-            raise ValueError(f"window: expected a start before the end, found {list(self.window)}")
+    def _times_fit(self) -> GoalSection:
+        start, end = self.window
+        if start >= end:
+            raise ValueError(f"window: expected a start before the end, found {[start, end]}")
+        if self.lasting is not None and self.lasting > end - start:
+            raise ValueError(f"lasting: expected at most the window's {end - start} s, found {self.lasting} s")
         return self
 
     def goal(self) -> Goal:
@@ -59,12 +79,16 @@ class FaultSection(_Section):
     name: str
     at: Seconds
     until: Seconds | None = None
-    parameters: dict[str, float] = {}
+    parameters: dict[str, Number] = {}
 
     @model_validator(mode="after")
     def _is_known(self) -> FaultSection:
         if self.name not in FAULTS:
             raise ValueError(f"name: there is no fault named {self.name!r}{nearest(self.name, FAULTS)}")
+        try:
+            FaultSchedule({}).add(self.name, self.at, self.until, self.parameters)
+        except ConfigurationError as error:
+            raise ValueError(str(error)) from error
         return self
 
 
@@ -81,7 +105,7 @@ class Scenario(_Section):
     name: str = Field(min_length=1)
     summary: str
     domain: Literal["ds1"] = "ds1"
-    epoch: datetime.datetime = datetime.datetime(1999, 5, 19, tzinfo=datetime.UTC)
+    epoch: Annotated[datetime.datetime, BeforeValidator(_instant)] = datetime.datetime(1999, 5, 19, tzinfo=datetime.UTC)
     horizon: Seconds = Field(gt=0)
     deliberation: Seconds = Field(default=685, gt=0)
     expect: ExpectSection = ExpectSection()
@@ -92,65 +116,115 @@ class Scenario(_Section):
     @model_validator(mode="after")
     def _is_whole(self) -> Scenario:
         ids = [goal.id for goal in self.goals]
-        for goal_id in ids:
-            if ids.count(goal_id) > 1:
-                raise ValueError(f"goals: two goals have the id {goal_id!r}")
-        for fault in self.faults:
+        for number, goal in enumerate(self.goals):
+            if ids.index(goal.id) < number:
+                raise ValueError(f"goals[{number}].id: {goal.id!r} is already the id of goals[{ids.index(goal.id)}]")
+            if goal.window[0] >= self.horizon:
+                raise ValueError(
+                    f"goals[{number}].window: expected a start before the horizon's end at {self.horizon} s, "
+                    f"found {goal.window[0]} s"
+                )
+        for number, fault in enumerate(self.faults):
             if fault.at >= self.horizon:
-                raise ValueError(f"faults: {fault.name} at {fault.at} s lies after the horizon of {self.horizon} s")
+                raise ValueError(
+                    f"faults[{number}].at: expected less than the horizon of {self.horizon} s, found {fault.at} s"
+                )
         self.spacecraft_config()
         return self
 
     def spacecraft_config(self) -> SpacecraftConfig:
         """The hardware's configuration: its defaults with the scenario's changes; ValueError names a wrong field."""
-        known = SpacecraftConfig.__dataclass_fields__
-        for name in self.spacecraft:
-            if name not in known or name == "targets":
-                raise ValueError(f"spacecraft: there is no field {name!r}{nearest(name, known)}")
-        values = {n: tuple(v) if isinstance(v, list) else v for n, v in self.spacecraft.items()}
+        values = {name: _spacecraft_value(name, value) for name, value in self.spacecraft.items()}
         try:
             return SpacecraftConfig(**values)
-        except (ConfigurationError, TypeError) as error:
-            raise ValueError(f"spacecraft: {error}") from error
+        except ConfigurationError as error:
+            raise ValueError(f"spacecraft.{error}") from error
+
+
+def _spacecraft_value(name: str, value: object) -> Any:
+    """The value of a field of the hardware's configuration, of the type that its default has."""
+    default = getattr(_HARDWARE, name, None) if name in SpacecraftConfig.__dataclass_fields__ else None
+    if default is None or name == "targets":
+        known = [n for n in SpacecraftConfig.__dataclass_fields__ if n != "targets"]
+        raise ValueError(f"spacecraft: there is no field {name!r}{nearest(name, known)}")
+    if isinstance(default, tuple):
+        if isinstance(value, list) and len(value) == len(default) and all(map(_is_number, value)):
+            return tuple(map(float, value))
+        raise ValueError(f"spacecraft.{name}: expected {len(default)} numbers, found {value!r:.80}")
+    if isinstance(default, str):
+        if isinstance(value, str):
+            return value
+        raise ValueError(f"spacecraft.{name}: expected text, found {value!r:.80}")
+    if isinstance(default, int):
+        if isinstance(value, int) and not isinstance(value, bool):
+            return value
+        raise ValueError(f"spacecraft.{name}: expected a whole number, found {value!r:.80}")
+    if not _is_number(value):
+        raise ValueError(f"spacecraft.{name}: expected a number, found {value!r:.80}")
+    return value
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _LARGEST
+
+
+_HARDWARE = SpacecraftConfig()
+_LARGEST = 1e12
 
 
 def built_in() -> dict[str, Traversable]:
     """The scenario files that come with the project, by name."""
     folder = files("scenarios")
-    return {p.name.removesuffix(".toml"): p for p in sorted(folder.iterdir(), key=lambda p: p.name) if p.name.endswith(".toml")}
+    return {
+        p.name.removesuffix(".toml"): p
+        for p in sorted(folder.iterdir(), key=lambda p: p.name)
+        if p.name.endswith(".toml")
+    }
 
 
 def load(name_or_path: str) -> Scenario:
     """A built-in scenario by name, or one from a `.toml` file; ScenarioError says where it is wrong."""
     if name_or_path.endswith(".toml"):
-        path = Path(name_or_path)
-        try:
-            return parse(path.read_text(encoding="utf-8"), name_or_path)
-        except OSError as error:
-            raise ScenarioError(f"{name_or_path}: {error.strerror}") from error
-        except UnicodeDecodeError as error:
-            raise ScenarioError(f"{name_or_path}: not UTF-8 text at byte {error.start}") from error
+        return _read(Path(name_or_path), name_or_path)
     known = built_in()
     if name_or_path not in known:
         hint = nearest(name_or_path, known) or f"; there are {', '.join(known)}, or give a .toml file"
         raise ScenarioError(f"there is no scenario named {name_or_path!r}{hint}")
-    return parse(known[name_or_path].read_text(encoding="utf-8"), known[name_or_path].name)
+    return _read(known[name_or_path], known[name_or_path].name)
+
+
+def _read(file: Path | Traversable, where: str) -> Scenario:
+    try:
+        return parse(file.read_text(encoding="utf-8"), where)
+    except OSError as error:
+        raise ScenarioError(f"{where}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{where}: not UTF-8 text at byte {error.start}") from error
 
 
 def parse(text: str, where: str) -> Scenario:
-    """The scenario of a TOML text; ScenarioError lists every wrong field."""
+    """The scenario of a TOML text, every goal checked against the model; ScenarioError lists every wrong field."""
+    from scenarios.goals import check_goals
+
     try:
         content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{where}: {error}") from error
+    except (ValueError, RecursionError) as error:  # the second: lists in lists in lists
+        raise ScenarioError(f"{where}: not TOML: {error}") from error
     try:
-        return Scenario.model_validate(content)
+        scenario = Scenario.model_validate(content)
     except ValidationError as error:
         raise ScenarioError("\n".join(f"{where}: {_complaint(e)}" for e in error.errors())) from error
+    check_goals(scenario, where)
+    return scenario
 
 
 def _complaint(error: Any) -> str:
     place = ".".join(f"[{p}]" if isinstance(p, int) else str(p) for p in error["loc"]).replace(".[", "[")
-    found = "" if error["type"] in ("missing", "value_error", "extra_forbidden") else f", found {error['input']!r}"
-    text = "unknown key" if error["type"] == "extra_forbidden" else error["msg"].removeprefix("Value error, ")
-    return f"{place}: {text}{found}" if place else f"{text}{found}"
+    if error["type"] == "value_error":
+        text = error["msg"].removeprefix("Value error, ")
+        dot = "." if re.match(r"[\w\[\].]+: ", text) else ": "
+        return f"{place}{dot}{text}" if place else text
+    if error["type"] == "extra_forbidden":
+        return f"{place}: unknown key"
+    found = "" if error["type"] == "missing" else f", found {error['input']!r:.80}"
+    return f"{place}: {error['msg'][:1].lower()}{error['msg'][1:]}{found}"

@@ -1,43 +1,75 @@
-"""A run's summary for a person at a terminal."""
+"""A run's summary for a person at a terminal: plain lines, broken between words, with colours on a terminal only."""
 
 from __future__ import annotations
 
+import shutil
+import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
+from rich.text import Text
 
-from scenarios.folder import RECORDING, SUMMARY
+from scenarios.folder import RECORDING, REPORT, SUMMARY
 from scenarios.times import clock
 
 _COLOURS = {"achieved": "green", "dropped": "yellow", "missed": "red"}
+_OUTCOMES = {"completed": "bold green", "degraded": "bold yellow", "standby": "bold red", "failed": "bold red"}
+_WIDEST = 120
 
 
 def print_summary(summary: dict[str, Any], folder: Path) -> None:
     """Outcome, goals, plans, faults, and where to look."""
-    console = Console(highlight=False)
-    rules = summary["flight_rules"]
-    console.print(f"[bold]{summary['scenario']}[/bold], seed {summary['seed']}: [bold]{summary['outcome']}[/bold]")
-    goals = Table("goal", "status", "at", "reason", box=None, pad_edge=False)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    width = min(_WIDEST, shutil.get_terminal_size().columns)
+    outcome = summary["outcome"]
+    console.print(Text.assemble(f"{summary['scenario']}, seed {summary['seed']}: ", (outcome, _OUTCOMES[outcome])))
+    widest = max((len(goal["id"]) for goal in summary["goals"]), default=0)
     for goal in summary["goals"]:
-        at = "" if goal["time"] is None else clock(goal["time"])
-        colour = _COLOURS.get(goal["status"], "white")
-        goals.add_row(goal["id"], f"[{colour}]{goal['status']}[/{colour}]", at, escape(goal["reason"] or ""))
-    console.print(goals)
+        at = "" if goal["time"] is None else f" at {clock(goal['time'])}"
+        status = (f"{goal['status']:9}", _COLOURS.get(goal["status"], ""))
+        console.print(Text.assemble(f"  {goal['id']:{widest}}  ", status, at))
+        if goal["reason"]:
+            console.print(_wrapped(goal["reason"], width, " " * (widest + 4)))
+    for line in _lines(summary, folder):
+        console.print(_wrapped(line, width))
+
+
+def _lines(summary: dict[str, Any], folder: Path) -> Iterator[str]:
     for plan in summary["plans"]:
         start, end = plan["horizon"]
-        console.print(
+        yield (
             f"{plan['id']}: {clock(start)} to {clock(end)}, {plan['tokens']} tokens, {plan['constraints']} constraints, "
-            f"planned in {plan['solve_seconds']:.2f} s ({escape(plan['reason'])})"
+            f"planned in {plan['solve_seconds']:.2f} s; why: {plan['reason']}"
         )
     for fault in summary["faults"]:
-        when = "not injected" if fault["injected"] is None else f"injected {clock(fault['injected'])}"
-        seen = "not detected" if fault["detected"] is None else f"detected {clock(fault['detected'])}"
-        console.print(f"fault {fault['name']}: {when}, {seen}, {fault['diagnosis']}, {fault['response']}")
-    console.print(f"flight rules: {len(rules['violations'])} violations of {rules['checked']} rules")
+        yield f"fault {fault_line(fault)}"
+    rules = summary["flight_rules"]
+    yield f"flight rules: {len(rules['violations']) or 'none'} of {rules['checked']} broken"
     for violation in rules["violations"]:
-        console.print(f"  [red]{violation['rule']}[/red] from {clock(violation['start'])} to {clock(violation['end'])}")
-    console.print(f"{summary['wall_seconds']:.1f} s of wall time, {summary['sim']['realtime_factor']:.0f} times real time")
-    console.print(f"recording {folder / RECORDING}, summary {folder / SUMMARY}")
+        yield f"  {violation['rule']} from {clock(violation['start'])} to {clock(violation['end'])}"
+    speed = summary["sim"]["realtime_factor"]
+    yield f"{clock(summary['sim']['sim_seconds'])} flown in {summary['wall_seconds']:.1f} s, {speed:.0f} times real time"
+    for what, name in (("recording", RECORDING), ("report", REPORT), ("summary", SUMMARY)):
+        yield f"{what:9} {folder / name}"
+
+
+def fault_line(fault: dict[str, Any]) -> str:
+    """One fault of a summary in a line."""
+    when = "not injected" if fault["injected"] is None else f"injected at {clock(fault['injected'])}"
+    if fault["detected"] is None:
+        return f"{fault['name']}: {when}, not detected"
+    diagnosis = f" as {fault['diagnosis']}" if fault["diagnosis"] else ""
+    return f"{fault['name']}: {when}, detected at {clock(fault['detected'])}{diagnosis}, response: {fault['response']}"
+
+
+def _wrapped(text: str, width: int, indent: str = "") -> str:
+    return textwrap.fill(
+        text,
+        max(width, len(indent) + 40),
+        initial_indent=indent,
+        subsequent_indent=indent or "  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -14,6 +14,7 @@ SUMMARY = "summary.json"
 JOURNAL = "journal.jsonl"
 PLANS = "plans"
 RECORDING = "run.rrd"
+REPORT = "report.html"
 
 
 def new_folder(wanted: Path | None, name: str) -> Path:

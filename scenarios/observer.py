@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -40,14 +40,16 @@ CHANNELS = (
 
 
 class Observer:
-    """Feeds a RunRecorder. `images`: how many camera pictures it recorded; `problem`: why there are none, if so."""
+    """Feeds a RunRecorder. `images`: how many camera pictures it recorded. `warn`: told once why there are none."""
 
-    def __init__(self, scenario: Scenario, spacecraft: Spacecraft, path: Path, render: bool) -> None:
+    def __init__(
+        self, scenario: Scenario, spacecraft: Spacecraft, path: Path, render: bool, warn: Callable[[str], None]
+    ) -> None:
         self._spacecraft = spacecraft
         self._render = render
+        self._warn = warn
         self._images_taken = 0
         self.images = 0
-        self.problem: str | None = None
         self._recorder = RunRecorder(
             path,
             scene_of(spacecraft.config),
@@ -90,7 +92,8 @@ class Observer:
         try:
             pixels = self._spacecraft.render(camera, IMAGE_SIZE, IMAGE_SIZE)
         except RenderingUnavailable as error:
-            self._render, self.problem = False, str(error)
+            self._render = False
+            self._warn(f"the run goes on without pictures: {error}")
             return
         self._recorder.image(time, pixels, "micas" if camera == "micas" else "chase", caption)
         self.images += 1

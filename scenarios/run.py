@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -16,7 +16,7 @@ from executive.records import Settings
 from planner.plan import FlexiblePlan
 from planner.planning import plan
 from planner.problem import PlanningResult, Problem
-from planner.search.chronological import Limits
+from planner.search.outcome import Limits
 from planner.temporal.controllability import check
 from scenarios.bridge import SpacecraftPlant
 from scenarios.config import FaultSection, Scenario
@@ -27,8 +27,11 @@ from scenarios.flight_rules import RuleWatch
 from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream
 from scenarios.observer import Observer
 from scenarios.summary import summarize
+from scenarios.words import Reasons
 from sim import Spacecraft
 
+PROGRESS_PERIOD_S = 600
+_DOING = {"plan.requested": "planning", "standby.entered": "standby"}
 PLANNING_LIMITS = Limits(max_steps=20_000, max_seconds=20.0)
 
 
@@ -41,89 +44,123 @@ class RunOptions:
     images: bool = True
 
 
-def run(scenario: Scenario, options: RunOptions, folder: Path, progress: Callable[[int], None]) -> dict[str, Any]:
-    """Fly a scenario into an empty run folder; returns the summary that is also written there.
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Who follows a run. `progress`: told the simulation second and what is going on; `warn`: a line for a person."""
 
-    `progress` is told the simulation second now and then. Whatever ends the run, the folder stays readable.
+    progress: Callable[[int, str], None] = lambda second, doing: None
+    warn: Callable[[str], None] = lambda text: None
+
+
+def run(scenario: Scenario, options: RunOptions, folder: Path, listener: Listener | None = None) -> dict[str, Any]:
+    """Fly a scenario into an empty run folder; returns the summary that is also written there."""
+    return Flight(scenario, options).fly(folder, listener or Listener())
+
+
+class Flight:
+    """A scenario ready to fly: all that can be wrong with it has been found, and nothing has been written.
+
+    ModelError or ConfigurationError for hardware that cannot be planned for or faults that cannot be injected.
     """
-    return _Run(scenario, options, folder).fly(progress)
 
-
-class _Run:
-    def __init__(self, scenario: Scenario, options: RunOptions, folder: Path) -> None:
+    def __init__(self, scenario: Scenario, options: RunOptions) -> None:
         self.scenario = scenario
         self.options = options
-        self.folder = folder
         self.started = perf_counter()
         config = scenario.spacecraft_config()
         self.spacecraft = Spacecraft(config, options.seed)
         self.plant = SpacecraftPlant(self.spacecraft, BINDINGS.channels())
         self.model = build_model(capability_of(config))
         self.rules = RuleWatch()
-        self.observer = Observer(scenario, self.spacecraft, folder / RECORDING, options.images)
-        self.journal_stream = OverheardStream(folder / JOURNAL, self.overhear)
-        self.journal = Journal(self.journal_stream)
-        self.saved_plans = 0
         self.pending_faults = sorted(options.faults, key=lambda fault: fault.at)
         for fault in options.faults:
             self.spacecraft.inject(fault.name, fault.at, fault.until, fault.parameters)
-        settings = Settings(scenario=scenario.name, seed=options.seed, budget=scenario.deliberation)
-        goals = [goal.goal() for goal in scenario.goals]
-        horizon = (0, scenario.horizon)
-        self.executive = Executive(self.plant, BINDINGS, self.think, goals, horizon, self.journal, settings)
 
-    def fly(self, progress: Callable[[int], None]) -> dict[str, Any]:
+    def fly(self, folder: Path, listener: Listener) -> dict[str, Any]:
+        """Fly it, once, into an empty run folder. Whatever ends the run, the folder stays readable."""
+        log = RunLog(self, folder, listener)
         try:
             for second in range(self.scenario.horizon + 1):
-                self.tell_faults(second)
-                self.executive.step()
+                self.tell_faults(second, log.journal)
+                log.executive.step()
                 self.rules.look(second, self.plant.telemetry)
-                self.observer.look(second, self.plant.telemetry)
-                if second % 600 == 0:
-                    progress(second)
-            self.executive.finish()
+                log.observer.look(second, self.plant.telemetry)
+                if second % PROGRESS_PERIOD_S == 0:
+                    listener.progress(second, log.doing)
+            log.executive.finish()
         finally:
-            self.observer.close()
-            self.journal_stream.close()
-        return self.write_summary()
+            log.close()
+        summary = self.summary(log)
+        (folder / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+        return summary
 
     def think(self, problem: Problem) -> PlanningResult:
         """The planner as the executive calls it: only dynamically controllable plans are good."""
         return plan(self.model, problem, PLANNING_LIMITS, is_controllable)
 
-    def overhear(self, entry: dict[str, Any]) -> None:
-        """What the journal says, told to the recording; a plan is saved when it is adopted."""
-        self.observer.event(entry)
-        if entry["event"] == "plan.adopted":
-            adopted = self.executive.plans[-1]
-            adopted.plan.save(self.folder / PLANS / f"{adopted.id}.json")
-            self.observer.plan(adopted.id, adopted.plan, adopted.handover)
-
-    def tell_faults(self, second: int) -> None:
+    def tell_faults(self, second: int, journal: Journal) -> None:
         """Journal the scripted faults that begin now, before the executive's own step."""
         while self.pending_faults and self.pending_faults[0].at <= second:
             fault = self.pending_faults.pop(0)
-            self.journal.write(second, "fault.injected", {"name": fault.name})
+            journal.write(second, "fault.injected", {"name": fault.name})
 
-    def write_summary(self) -> dict[str, Any]:
+    def summary(self, log: RunLog) -> dict[str, Any]:
+        """The content of `summary.json`."""
         wall = perf_counter() - self.started
         summary = summarize(
-            self.scenario, self.options.seed, self.options.faults, self.executive, self.rules.violations(), wall
+            self.scenario,
+            self.options.seed,
+            self.options.faults,
+            log.executive,
+            self.rules.violations(),
+            log.reasons,
+            wall,
         )
         summary["sim"]["physics_steps"] = self.spacecraft.physics_steps
-        summary["recording"] = {
-            "bytes": (self.folder / RECORDING).stat().st_size,
-            "images": self.observer.images,
-        }
-        (self.folder / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+        size = (log.folder / RECORDING).stat().st_size
+        summary["recording"] = {"bytes": size, "images": log.observer.images}
         return summary
+
+
+class RunLog:
+    """The executive of a flight and all that is written down about it: journal, plans, recording."""
+
+    def __init__(self, flight: Flight, folder: Path, listener: Listener) -> None:
+        scenario, options = flight.scenario, flight.options
+        self.folder = folder
+        self.listener = listener
+        self.reasons = Reasons()
+        self.doing = "standby"
+        self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
+        self.stream = OverheardStream(folder / JOURNAL, self.overhear)
+        self.journal = Journal(self.stream)
+        settings = Settings(scenario=scenario.name, seed=options.seed, budget=scenario.deliberation)
+        goals = [goal.goal() for goal in scenario.goals]
+        horizon = (0, scenario.horizon)
+        self.executive = Executive(flight.plant, BINDINGS, flight.think, goals, horizon, self.journal, settings)
+
+    def overhear(self, entry: dict[str, Any]) -> None:
+        """What the journal says, told to the recording; a plan is saved when it is adopted."""
+        self.reasons.tell(entry)
+        self.observer.event(entry)
+        doing = _DOING.get(entry["event"])
+        if entry["event"] == "plan.adopted":
+            adopted = self.executive.plans[-1]
+            doing = f"flying {adopted.id}"
+            adopted.plan.save(self.folder / PLANS / f"{adopted.id}.json")
+            self.observer.plan(adopted.id, adopted.plan, adopted.handover)
+        if doing is not None:
+            self.doing = doing
+            self.listener.progress(entry["t"], doing)
+
+    def close(self) -> None:
+        """End the recording and the journal."""
+        try:
+            self.observer.close()
+        finally:
+            self.stream.close()
 
 
 def is_controllable(candidate: FlexiblePlan) -> bool:
     """Whether some strategy keeps the plan whatever durations nature chooses."""
     return check(PlanNetwork.of(candidate).stnu).controllable
-
-
-def faults_of(scenario: Scenario, wanted: Sequence[FaultSection] | None) -> tuple[FaultSection, ...]:
-    """The faults of a run: those wanted, or else the scenario's own."""
-    return tuple(scenario.faults if wanted is None else wanted)

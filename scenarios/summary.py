@@ -10,6 +10,7 @@ from executive.monitor import FaultRecord
 from executive.records import AdoptedPlan
 from scenarios.config import FaultSection, Scenario
 from scenarios.flight_rules import FLIGHT_RULES, RuleViolation
+from scenarios.words import Reasons
 
 OUTCOMES = ("failed", "standby", "degraded", "completed")
 """From worst to best."""
@@ -21,6 +22,7 @@ def summarize(
     faults: Sequence[FaultSection],
     executive: Executive,
     rule_violations: Sequence[RuleViolation],
+    reasons: Reasons,
     wall_seconds: float,
 ) -> dict[str, Any]:
     """The content of `summary.json`, but for what only the recording and the simulator know."""
@@ -33,7 +35,7 @@ def summarize(
         "outcome": executive.outcome,
         "expected": scenario.expect.faulted if faults else scenario.expect.nominal,
         "goals": [{"id": g.id, "status": g.status, "time": g.time, "reason": g.reason} for g in executive.goals],
-        "plans": [_plan(adopted) for adopted in plans],
+        "plans": [_plan(adopted, reasons) for adopted in plans],
         "replans": max(0, len(plans) - 1),
         "faults": _faults(faults, executive.faults),
         "dispatch": {
@@ -62,7 +64,7 @@ def fell_short(summary: dict[str, Any]) -> bool:
     return worse or bool(summary["flight_rules"]["violations"])
 
 
-def _plan(adopted: AdoptedPlan) -> dict[str, Any]:
+def _plan(adopted: AdoptedPlan, reasons: Reasons) -> dict[str, Any]:
     return {
         "id": adopted.id,
         "horizon": list(adopted.plan.horizon),
@@ -73,7 +75,7 @@ def _plan(adopted: AdoptedPlan) -> dict[str, Any]:
         "solve_seconds": round(adopted.statistics.solve_seconds, 4),
         "deliberation_charged": adopted.deliberation_charged,
         "dynamically_controllable": adopted.dynamically_controllable,
-        "reason": adopted.reason,
+        "reason": reasons.say(adopted.reason),
     }
 
 

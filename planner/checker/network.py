@@ -58,8 +58,7 @@ class PlanNetwork:
         self.conflict = tuple(self._why(a, b) for a, b in cycle)
         if self.conflict:
             return
-        origin = potential[0]
-        potential = [p - origin for p in potential]
+        potential = [p - potential[0] for p in potential]
         self.upper = _distances(self.out, potential, {0: 0.0})
         self.lower = [-d for d in _distances(self.into, [-p for p in potential], {0: 0.0})]
         finite = sum(abs(w) for edges in self.out for w in edges.values())
@@ -112,6 +111,18 @@ class PlanNetwork:
             return 0
         known = min(self.out[a].get(b, INF), self.upper[b] - self.lower[a])
         return min(known, self._shortest(a, b, known))
+
+    def stretched(self, a: int, b: int) -> list[float]:
+        """The earliest schedule in which b is as long after a as any schedule lets it be."""
+        latest = self.earliest[a] + min(self.distance(a, b), self.latest[b] - self.earliest[a])
+        before = _distances(self.into, [-p for p in self.potential], {b: 0.0})
+        return [max(time, latest - d) for time, d in zip(self.earliest, before, strict=True)]
+
+    def shrunk(self, a: int, b: int) -> list[float]:
+        """The latest schedule in which b is as shortly after a as any schedule lets it be."""
+        earliest = self.latest[a] - min(self.distance(b, a), self.latest[a] - self.earliest[b])
+        after = _distances(self.out, self.potential, {b: 0.0})
+        return [min(time, earliest + d) for time, d in zip(self.latest, after, strict=True)]
 
     def _shortest(self, a: int, b: int, limit: float) -> float:
         """The shortest path from a to b where it is at most the limit, else infinity."""
@@ -197,7 +208,8 @@ def _cycle(parent: Sequence[int]) -> list[tuple[int, int]]:
             seen[here] = first
             here = parent[here]
         if here != -1 and seen[here] == first:
-            edges, there = [], here
+            edges: list[tuple[int, int]] = []
+            there = here
             while not edges or there != here:
                 edges.append((parent[there], there))
                 there = parent[there]

@@ -10,6 +10,7 @@ nature is dynamic controllability, which is judged elsewhere.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 from planner.checker.network import INF, PlanNetwork, told, unbounded
 from planner.checker.view import Slot, View
@@ -47,7 +48,7 @@ def check_durations(view: View) -> Iterator[Violation]:
 def check_order(view: View) -> Iterator[Violation]:
     """On a timeline each token ends before the next starts, in every schedule."""
     for sequence in view.sequences():
-        for earlier, later in zip(sequence, sequence[1:], strict=False):
+        for earlier, later in pairwise(sequence):
             start, end = view.network.point(later.id, "start"), view.network.point(earlier.id, "end")
             if not view.network.at_most(start, end, 0):
                 text = f"{told(earlier.host)} need not end before {told(later.host)} starts, its successor"

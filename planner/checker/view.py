@@ -12,14 +12,14 @@ from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan, PlanToken
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Slot:
     """One interval of the plan: codesignated tokens, the host first, with their declaration and object."""
 
     tokens: tuple[PlanToken, ...]
     predicate: Predicate
     object: ModelObject
-    values: dict[str, Domain] = field(compare=False)
+    values: dict[str, Domain]
 
     @property
     def host(self) -> PlanToken:
@@ -55,10 +55,14 @@ class View:
     model: ModelManager
     slots: dict[str, Slot]
     network: PlanNetwork
+    _by_token: dict[str, Slot] = field(init=False, repr=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._by_token.update((token.id, slot) for slot in self.slots.values() for token in slot.tokens)
 
     def slot_of(self, token_id: str) -> Slot:
         """The slot that a token is in."""
-        return next(slot for slot in self.slots.values() if token_id in slot.ids)
+        return self._by_token[token_id]
 
     def sequences(self) -> Iterator[list[Slot]]:
         """The slots of each timeline in order."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from planner.constraints.network import AnyVariable, DurationVariable, Inconsistency, Moment, TimeVariable, Variable
-
 from planner.temporal.network import INFINITY
 
 if TYPE_CHECKING:

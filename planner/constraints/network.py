@@ -18,7 +18,7 @@ from planner.temporal.network import INFINITY, TemporalNetworkManager
 from planner.trail import Trail
 
 Owner = Any
-"""Who posted a constraint or made a restriction: a decision, a rule instance, a token, the problem. Compared by `is`."""
+"""Who posted a constraint or restricted a domain: a decision, a rule instance, the problem. Compared by `is`."""
 
 
 class Inconsistency(Exception):  # noqa: N818 - the field's word; it is a signal of search, not a user's error
@@ -28,9 +28,7 @@ class Inconsistency(Exception):  # noqa: N818 - the field's word; it is a signal
     restriction would leave without values. `cycle`: temporal constraints that cannot hold together.
     """
 
-    def __init__(
-        self, because: Owner = None, variable: AnyVariable | None = None, cycle: tuple[int, ...] = ()
-    ) -> None:
+    def __init__(self, because: Owner = None, variable: AnyVariable | None = None, cycle: tuple[int, ...] = ()) -> None:
         super().__init__()
         self.because = because
         self.variable = variable
@@ -248,6 +246,11 @@ class ConstraintNetworkManager:
 
     def watch(self, propagator: Propagator) -> None:
         """Queue a propagator now, and whenever a variable of its scope changes."""
+        self.alert(propagator)
+        self._enqueue(propagator)
+
+    def alert(self, propagator: Propagator) -> None:
+        """Queue a propagator whenever a variable of its scope changes from now on."""
         for variable in propagator.scope:
             self.trail.append(variable.watchers, propagator)
             if isinstance(variable, TimeVariable):
@@ -255,7 +258,6 @@ class ConstraintNetworkManager:
             elif isinstance(variable, DurationVariable):
                 self._watch_time(variable.start.timepoint, variable)
                 self._watch_time(variable.end.timepoint, variable)
-        self._enqueue(propagator)
 
     def distance(self, from_: TimeVariable, to: TimeVariable, lower: float, upper: float, owner: Owner) -> int:
         """Post `lower <= to - from_ <= upper` ticks; returns the temporal constraint's identifier."""

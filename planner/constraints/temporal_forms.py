@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from planner.constraints.network import (
     AnyVariable,
@@ -15,6 +16,7 @@ from planner.constraints.network import (
     DurationVariable,
     Owner,
     TimeVariable,
+    Variable,
 )
 from planner.constraints.standard import EQUAL
 from planner.domains import Interval
@@ -30,10 +32,10 @@ def post_temporal(network: ConstraintNetworkManager, name: str, scope: Sequence[
 
 def _within(lower: float, upper: float) -> Form:
     def post(network: ConstraintNetworkManager, scope: Sequence[AnyVariable], owner: Owner) -> bool:
-        if not all(isinstance(v, TimeVariable) for v in scope):
+        times = [variable for variable in scope if isinstance(variable, TimeVariable)]
+        if len(times) < len(scope):
             return False
-        for first, second in zip(scope, scope[1:], strict=False):
-            assert isinstance(first, TimeVariable) and isinstance(second, TimeVariable)
+        for first, second in pairwise(times):
             network.distance(first, second, lower, upper, owner)
         return True
 
@@ -50,8 +52,10 @@ def _temporal_distance(network: ConstraintNetworkManager, scope: Sequence[AnyVar
     domain = distance.domain
     if domain.is_open or not domain.is_numeric:
         return False
-    network.distance(from_, to, domain.lower, domain.upper, owner)
-    if not domain.is_singleton:
+    if domain.is_singleton and isinstance(distance, Variable) and distance.latest < 0:
+        network.distance(from_, to, domain.lower, domain.upper, owner)
+    else:
+        # What the domain is now has reasons of its own, which an edge of this owner would hide.
         between = DurationVariable("distance", from_, to, Interval(-math.inf, math.inf), owner)
         network.post(EQUAL, (distance, between), owner)
     return True

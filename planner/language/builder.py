@@ -57,8 +57,12 @@ class Term:
     def __add__(self, other: Operand) -> Term:
         return Term(Apply("addEq", (self.expression, _expression(other))))
 
+    __radd__ = __add__
+
     def __mul__(self, other: Operand) -> Term:
         return Term(Apply("mulEq", (self.expression, _expression(other))))
+
+    __rmul__ = __mul__
 
     def __eq__(self, other: object) -> Test:  # type: ignore[override]
         return Test("eq", (self.expression, _expression(other)))
@@ -71,6 +75,12 @@ class Term:
 
     def __lt__(self, other: Operand) -> Test:
         return Test("lt", (self.expression, _expression(other)))
+
+    def __ge__(self, other: Operand) -> Test:
+        return Test("leq", (_expression(other), self.expression))
+
+    def __gt__(self, other: Operand) -> Test:
+        return Test("lt", (_expression(other), self.expression))
 
     def __hash__(self) -> int:
         return hash(self.expression)
@@ -187,6 +197,13 @@ class PredicateBuilder:
         yield RuleBuilder(self._manager, self, statements, "")
         label = where or f"configuration constraint of {self!r}"
         self._manager.add_rule(Rule((self.cls, self.name), tuple(statements), label))
+
+    @contextmanager
+    def parameters_satisfy(self) -> Iterator[RuleBuilder]:
+        """State parameter constraints: what holds of the parameters and times of every token, required or planned."""
+        statements: list[Statement] = []
+        yield RuleBuilder(self._manager, self, statements, "")
+        self._manager.constrain_parameters(self.cls, self.name, statements)
 
 
 class RuleBuilder:

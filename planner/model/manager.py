@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from planner.constraints.procedure import ProcedureRegistry
 from planner.domains import BOOLEAN, Domain, Interval, Universe, Values
 from planner.errors import ModelError, nearest
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
-from planner.model.rules import Rule, Statement
+from planner.model.relations import distances
+from planner.model.resources import add_resource_predicates, resource_classes
+from planner.model.rules import Guard, OneOf, Relate, Require, Rule, Statement, Subgoal
 
 BASIC: dict[str, Domain] = {
     "int": Interval(-math.inf, math.inf),
@@ -37,13 +40,11 @@ class ModelManager:
         self._classes: dict[str, ModelClass] = {}
         self._aliases: dict[str, Domain] = {}
         self._rules: dict[tuple[str, str], tuple[Rule, ...]] = {}
-        for built_in, parent in (("Object", None), ("Timeline", "Object"), ("Reusable", "Object")):
-            self._classes[built_in] = ModelClass(built_in, parent)
+        self._instances: dict[str, Values] = {}
+        for built_in in (ModelClass("Object", None), ModelClass("Timeline", "Object"), *resource_classes()):
+            self._classes[built_in.name] = built_in
         self._classes["Timeline"].attributes[STATE] = Attribute(STATE)
-        self._classes["Reusable"].attributes["level"] = Attribute("level", "reusable")
-        self._classes["Reusable"].members.update(capacity="int", level_min="int")
-        quantity = Parameter("quantity", Interval(0, math.inf, integer=False))
-        self.add_predicate("Reusable", "uses", (quantity,), attribute="level")
+        add_resource_predicates(self)
 
     # Input
 
@@ -105,6 +106,13 @@ class ModelManager:
         self.class_named(cls).rules.setdefault(predicate, []).append(rule)
         self._rules.clear()
 
+    def constrain_parameters(self, cls: str, name: str, body: Sequence[Statement]) -> None:
+        """Add parameter constraints to a predicate of this class: they hold for every token of it, active or not."""
+        declared = self.class_named(cls).predicates.get(name)
+        if declared is None:
+            raise ModelError(f"class {cls} declares no predicate named {name!r}")
+        self.class_named(cls).predicates[name] = replace(declared, body=(*declared.body, *body))
+
     def add_object(self, name: str, cls: str, members: Mapping[str, Any] | None = None) -> ModelObject:
         """Add an instance of a class, with values for its members."""
         self.class_named(cls)
@@ -116,11 +124,25 @@ class ModelManager:
                 raise ModelError(f"object {name}: class {cls} has no member {member!r}{nearest(member, known)}")
         self.objects[name] = ModelObject(name, cls, dict(members or {}))
         self._object_universe.add(self.objects[name])
+        self._instances.clear()
         return self.objects[name]
 
     def close(self) -> None:
-        """End the creation of objects: from here on object variables range over those there are."""
+        """End the creation of objects: from here on object variables range over those there are.
+
+        ModelError when a rule names a predicate, relation or constraint procedure that does not exist.
+        """
+        for found in self._classes.values():
+            for rule in (r for rules in found.rules.values() for r in rules):
+                self._check_statements(rule.body, rule.where or f"a rule of {found.name}")
+            for declared in found.predicates.values():
+                self._check_statements(declared.body, f"predicate {declared.full_name}")
         self._object_universe.is_open = False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the creation of objects has ended."""
+        return not self._object_universe.is_open
 
     # Information
 
@@ -208,8 +230,11 @@ class ModelManager:
 
     def objects_of(self, cls: str) -> Values:
         """The instances of a class and of those below it, as a domain."""
-        self.class_named(cls)
-        return self._object_universe.domain(o for o in self.objects.values() if self.is_subclass(o.cls, cls))
+        if cls not in self._instances:
+            self.class_named(cls)
+            instances = (o for o in self.objects.values() if self.is_subclass(o.cls, cls))
+            self._instances[cls] = self._object_universe.domain(instances)
+        return self._instances[cls]
 
     def object_named(self, name: str) -> ModelObject:
         """The object of that name."""
@@ -234,6 +259,24 @@ class ModelManager:
             return self.objects_of(type_)
         known = [*BASIC, "string", *self.enumerations, *self._aliases, *self._classes]
         raise ModelError(f"there is no type named {type_!r}{nearest(type_, known)}")
+
+    def _check_statements(self, statements: Sequence[Statement], where: str) -> None:
+        for statement in statements:
+            try:
+                if isinstance(statement, Subgoal):
+                    self.predicate(*statement.predicate)
+                if isinstance(statement, Subgoal | Relate):
+                    distances(statement.relation, statement.bounds)
+                elif isinstance(statement, Require):
+                    self.procedures.get(statement.procedure).check_scope(len(statement.arguments))
+                elif isinstance(statement, Guard):
+                    self.procedures.get(statement.test).check_scope(len(statement.arguments))
+            except ModelError as error:
+                raise ModelError(f"{where}: {error}") from None
+            if isinstance(statement, Guard):
+                self._check_statements((*statement.then, *statement.otherwise), where)
+            elif isinstance(statement, OneOf):
+                self._check_statements([s for branch in statement.branches for s in branch], where)
 
     def _check_free(self, name: str, what: str) -> None:
         if name in BASIC or name in self.enumerations or name in self._aliases or name in self._classes:

@@ -8,7 +8,7 @@ horizon is no flaw: a plan speaks of its horizon only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 from planner.constraints.network import Variable
@@ -16,8 +16,9 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.model.classes import objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Order, Reject
+from planner.tokens.groups import OpenGroup, Rank
 from planner.tokens.resources import Clash
-from planner.tokens.token import Token
+from planner.tokens.token import GIVEN, Token
 
 
 class OpenToken:
@@ -30,13 +31,14 @@ class OpenToken:
 
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         """Codesignate where possible, then the empty slots in order, then rejection where it is allowed."""
-        token, tokens = self.token, database.tokens
-        for host in tokens.hosts(token):
+        token = self.token
+        hosts, places = database.tokens.openings(token)
+        for host in hosts:
             yield Codesignate(token, host)
-        if token.predicate.exogenous and token.role == "subgoal":
-            return
-        if token.kind == "timeline":
-            for thing, position in tokens.places(token):
+        if token.predicate.exogenous and token.role not in GIVEN:
+            pass  # only what the problem says is true can be its host
+        elif token.kind == "timeline":
+            for thing, position in places:
                 yield Insert(token, thing, position)
         else:
             for thing in objects_in(token.object.domain):
@@ -86,35 +88,33 @@ class Contention:
 
 Flaw = OpenToken | Undecided | Contention
 
-FORCED = (-1, 1)
-"""The rank of a token with a single decision."""
+NOT_FORCED = (0,)
+"""Below this is the rank of a token with a single decision or none, or that the problem says is true."""
+CROWD = 32
+"""In a group of more tokens than this, how many decisions one has is counted again only when its own bounds moved: an
+estimate, since what lies on the timeline moves too. The decisions themselves are always those of the moment."""
 DEEP = 4
 """From this depth on, tokens are equally far from the problem."""
 WINDOW = 64
 """How many undecided variables are compared for the fewest values."""
 
 
-def next_flaw(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
-    """The flaw to resolve next, with its decisions. None: the plan is complete.
+def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterable[Decision]] | None:
+    """The flaw to resolve next, with its decisions; an empty list of them for a dead end. None: the plan is complete.
 
-    A token without a decision comes first, then one with a single decision; then the alternatives that the problem's
-    own tokens leave open, since they decide what else is needed; then tokens, those nearest to the problem first (depth),
-    and among them the one with the fewest decisions; then variables with the fewest values; then contentions.
+    What the problem says is true comes first: exogenous tokens look there for a host. Then a token without a decision,
+    then one with a single decision; then the alternatives that the problem's own tokens leave open, since they decide
+    what else is needed; then tokens, those nearest to the problem first (depth), and among them the one with the fewest
+    decisions; then variables with the fewest values; then contentions.
     """
+    urgent = _most_urgent(database)
     best: tuple[Flaw, Sequence[Decision]] | None = None
-    least = (0, 0)
-    for token in _in_order(database.tokens.open_tokens):
-        if token.role == "subgoal" and token.may_be_outside(database.horizon):
-            continue
+    if urgent is not None:
+        rank, token = urgent
         flaw = OpenToken(token)
-        decisions = list(flaw.decisions(database))
-        if not decisions:
-            return flaw, decisions
-        key = (min(token.depth, DEEP), len(decisions)) if len(decisions) > 1 else FORCED
-        if best is None or key < least:
-            best, least = (flaw, decisions), key
-    if best is not None and least == FORCED:
-        return best
+        best = flaw, list(flaw.decisions(database))
+        if rank < NOT_FORCED or len(best[1]) < 2:
+            return best
     variable = next((v for v in database.tokens.alternatives if not v.domain.is_singleton), None)
     undecided = Undecided(variable) if variable is not None else None
     if undecided is None:
@@ -122,7 +122,7 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
             return best
         undecided = _smallest(database)
     if undecided is not None:
-        return undecided, list(undecided.decisions(database))
+        return undecided, undecided.decisions(database)
     return _contention(database)
 
 
@@ -139,8 +139,8 @@ def _smallest(database: PlanDatabase) -> Undecided | None:
     """The variable with the fewest values among the oldest that are undecided: a window, so that a step stays cheap."""
     best: Variable | None = None
     fewest = math.inf
-    for variable in islice(database.tokens.still_undecided(), WINDOW):
-        size = variable.domain.size
+    sizes = ((v, v.domain.size) for v in database.tokens.still_undecided())
+    for variable, size in islice(((v, size) for v, size in sizes if size < math.inf), WINDOW):
         if size < fewest:
             best, fewest = variable, size
             if size <= 2:
@@ -148,5 +148,38 @@ def _smallest(database: PlanDatabase) -> Undecided | None:
     return Undecided(best) if best is not None else None
 
 
-def _in_order(tokens: dict[int, Token]) -> list[Token]:
-    return [tokens[number] for number in sorted(tokens)]
+def _most_urgent(database: PlanDatabase) -> tuple[Rank, Token] | None:
+    """The open token that comes first. Only groups in which something happened are looked at again."""
+    best: tuple[Rank, Token] | None = None
+    for group in database.tokens.open_groups():
+        if group.stale or group.wide:
+            group.best = _most_urgent_of(database, group)
+            group.stale = False
+        if group.best is not None and (best is None or group.best[0] < best[0]):
+            best = group.best
+    return best
+
+
+def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Token] | None:
+    best: tuple[Rank, Token] | None = None
+    lower, upper = database.temporal.lower, database.temporal.upper
+    crowded = len(group.tokens) > CROWD
+    for token in group.tokens.values():
+        if token.role == "subgoal" and token.may_be_outside(database.horizon):
+            continue
+        start, end = token.start.timepoint, token.end.timepoint
+        key = lower(start), upper(start), lower(end), upper(end)
+        if not crowded or key != token.rank_key:
+            token.rank_key = key
+            token.rank = _rank(token, sum(1 for _ in OpenToken(token).decisions(database)), key[0])
+        if best is None or token.rank < best[0]:
+            best = token.rank, token
+    return best
+
+
+def _rank(token: Token, decisions: int, earliest: int) -> Rank:
+    if token.role in GIVEN:
+        return (-3, 0, 0, token.id)
+    if decisions < 2:
+        return (decisions - 2, 0, earliest, token.id)
+    return (min(token.depth, DEEP), decisions, token.id)

@@ -183,6 +183,14 @@ class TemporalNetworkManager:
         """The latest time of a timepoint, exact for the constraints in force."""
         return self._label_view[8 * timepoint]
 
+    @property
+    def bounds(self) -> memoryview:
+        """The bounds of all timepoints for a hot loop: of t, the latest time at 8t, minus the earliest at 8t + 4.
+
+        Valid until the network changes.
+        """
+        return self._label_view
+
     def watch(self, timepoint: int) -> None:
         """Report this timepoint in `changed` from now on."""
         self._check(timepoint)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 from planner.constraints.network import (
     AnyVariable,
@@ -98,7 +98,7 @@ class GuardInstance:
 def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], instance: RuleInstance) -> None:
     """Carry out statements in order for an instance."""
     for statement in statements:
-        _CARRY_OUT[type(statement)](manager, statement, instance)  # type: ignore[operator]
+        _CARRY_OUT[type(statement)](manager, statement, instance)
 
 
 def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleInstance) -> None:
@@ -165,7 +165,7 @@ def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstan
         manager.network.watch(GuardInstance(manager, chosen, (variable, constant), instance))
 
 
-_CARRY_OUT = {
+_CARRY_OUT: dict[type, Callable[[TokenNetworkManager, Any, RuleInstance], None]] = {
     Subgoal: _subgoal,
     Relate: _relate,
     Require: _require,

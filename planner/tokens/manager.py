@@ -16,6 +16,7 @@ from planner.errors import ModelError
 from planner.model.classes import ModelObject, objects_in
 from planner.model.manager import ModelManager
 from planner.model.rules import Statement
+from planner.tokens.groups import BoundsWatch, OpenGroup
 from planner.tokens.instance import Named, RuleInstance, carry_out
 from planner.tokens.resources import ResourceProfile
 from planner.tokens.timeline import Timeline, may_codesignate
@@ -26,7 +27,7 @@ from planner.trail import Trail
 class TokenNetworkManager:
     """The partial plan: tokens, the timelines that they lie on, and what the model asks of them.
 
-    Every change is trailed. `open_tokens` are the inactive ones by number, `undecided` the variables that a complete
+    Every change is trailed. `open_groups` are the inactive tokens, `undecided` the variables that a complete
     plan must bind in order of creation, `alternatives` those that choose between the alternatives of a rule of a token
     that the problem states: the order of a search never depends on what was undone before.
     """
@@ -37,7 +38,8 @@ class TokenNetworkManager:
         self.trail = trail
         self.names: dict[str, Named] = {}
         self.tokens: list[Token] = []
-        self.open_tokens: dict[int, Token] = {}
+        self.groups: dict[tuple[ModelObject | str, str], OpenGroup] = {}
+        self._ungrouped: dict[int, Token] = {}
         self.undecided: list[Variable] = []
         self.alternatives: list[Variable] = []
         self.timelines: dict[tuple[ModelObject, str], Timeline] = {}
@@ -86,7 +88,7 @@ class TokenNetworkManager:
         instance = RuleInstance(f"predicate {declared.full_name}", token)
         network.distance(start, end, *declared.duration, instance)
         self.trail.append(self.tokens, token)
-        self.trail.add(self.open_tokens, token.id, token)
+        self.trail.add(self._ungrouped, token.id, token)
         self.carry_out(declared.body, instance)
         return token
 
@@ -100,6 +102,9 @@ class TokenNetworkManager:
             self.network.distance(token.end, sequence[position].start, 0, math.inf, owner)
         sequence.insert(position, token)
         self.trail.call(sequence.pop, position)
+        group = self.groups.get((timeline.object, timeline.attribute))
+        if group is not None:
+            self._touch(group)
         self.trail.assign(token, "placed", True)
         self._activate(token)
 
@@ -141,8 +146,42 @@ class TokenNetworkManager:
             self.carry_out(rule.body, RuleInstance(label, token))
 
     def _close(self, token: Token) -> None:
-        del self.open_tokens[token.id]
-        self.trail.call(self.open_tokens.__setitem__, token.id, token)
+        group = token.group
+        home = self._ungrouped if group is None else group.tokens
+        del home[token.id]
+        self.trail.call(home.__setitem__, token.id, token)
+        if group is not None:
+            self._touch(group)
+
+    # Open tokens
+
+    def open_groups(self) -> Iterator[OpenGroup]:
+        """The open tokens by where they may go, those that came since the last look included."""
+        for token in [self._ungrouped[number] for number in sorted(self._ungrouped)]:
+            self._join_group(token)
+        return iter(self.groups.values())
+
+    @property
+    def open_tokens(self) -> dict[int, Token]:
+        """The inactive tokens by number, in order of creation."""
+        found = [*self._ungrouped.values(), *(t for group in self.groups.values() for t in group.tokens.values())]
+        return {token.id: token for token in sorted(found, key=lambda token: token.id)}
+
+    def _join_group(self, token: Token) -> None:
+        wide = token.kind != "timeline" or not token.object.domain.is_singleton
+        place = token.predicate.cls if wide else token.thing
+        group = self.groups.setdefault((place, token.predicate.attribute), OpenGroup(wide))
+        del self._ungrouped[token.id]
+        self.trail.call(self._ungrouped.__setitem__, token.id, token)
+        self.trail.add(group.tokens, token.id, token)
+        self.trail.assign(token, "group", group)
+        self._touch(group)
+        if not wide:
+            self.network.alert(BoundsWatch(group, token))
+
+    def _touch(self, group: OpenGroup) -> None:
+        group.touch()
+        self.trail.call(group.touch)
 
     # Where a token may go
 
@@ -150,21 +189,19 @@ class TokenNetworkManager:
         """The timeline of a token whose object is decided."""
         return self.timelines[token.thing, token.predicate.attribute]
 
-    def places(self, token: Token) -> Iterator[tuple[ModelObject, int]]:
-        """Timelines and positions at which the token could be inserted, as far as bounds can tell."""
-        for thing in objects_in(token.object.domain):
-            for position in self.timelines[thing, token.predicate.attribute].slots(token):
-                yield thing, position
-
-    def hosts(self, token: Token) -> Iterator[Token]:
-        """Active tokens that the token could be codesignated with, as far as bounds can tell."""
+    def openings(self, token: Token) -> tuple[list[Token], list[tuple[ModelObject, int]]]:
+        """Where the token could go as far as bounds can tell: hosts, and empty slots as timeline and position."""
         if token.kind == "timeline":
+            hosts: list[Token] = []
+            places: list[tuple[ModelObject, int]] = []
             for thing in objects_in(token.object.domain):
-                yield from self.timelines[thing, token.predicate.attribute].hosts(token)
-        elif token.kind == "unordered":
-            for host in self._unordered_of(token):
-                if may_codesignate(token, host):
-                    yield host
+                found, slots = self.timelines[thing, token.predicate.attribute].openings(token)
+                hosts += found
+                places += [(thing, position) for position in slots]
+            return hosts, places
+        if token.kind == "unordered":
+            return [host for host in self._unordered_of(token) if may_codesignate(token, host)], []
+        return [], []
 
     def _unordered_of(self, token: Token) -> list[Token]:
         return self._unordered.setdefault(token.predicate.full_name, [])
@@ -213,9 +250,7 @@ class TokenNetworkManager:
 
     def domain_of_object(self, thing: ModelObject) -> Domain:
         """The domain that holds one object."""
-        everything = self.model.objects_of("Object")
-        assert isinstance(everything, Values)
-        return everything.keep((thing,))
+        return self.model.objects_of("Object").keep((thing,))
 
     def member_of(self, thing: ModelObject, name: str) -> Named:
         """A member of an object: an object, or a variable."""

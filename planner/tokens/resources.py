@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from planner.constraints.network import AnyVariable, ConstraintNetworkManager, Inconsistency, Owner, Variable
 from planner.domains import Interval
+from planner.errors import ModelError
 from planner.model.classes import ModelObject
 from planner.tokens.token import Token
 from planner.trail import Trail
@@ -64,6 +65,8 @@ class ResourceProfile:
         self.object = thing
         self.network = network
         self.trail = trail
+        if "capacity" not in thing.members:
+            raise ModelError(f"object {thing} of class {thing.cls}: a resource needs a value for its member 'capacity'")
         self.capacity = float(thing.members["capacity"])
         self.users: list[Token] = []
 
@@ -97,7 +100,7 @@ class ResourceProfile:
         start, end = temporal.lower(token.start.timepoint), temporal.upper(token.end.timepoint)
         edges = {start, *(b for s, e, _, _ in others for b in (s, e) if start < b < end)}
         levels = {t: sum(q for s, e, q, _ in others if s <= t < e) for t in edges}
-        lowest = min(levels.values()) if temporal.upper(token.start.timepoint) >= start else 0.0
+        lowest = min(levels.values())
         peak = 0.0
         if lst < eet:
             inside = {lst, *(b for s, _, _, _ in others if lst < (b := s) < eet)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from planner.constraints.network import AnyVariable
-from planner.domains import Domain, Interval
+from planner.domains import Domain, Interval, Universe
 from planner.errors import ProblemError, nearest
 from planner.plan import Bounds, Value
 from planner.problem import TokenPattern
@@ -17,7 +17,10 @@ def apply_pattern(manager: TokenNetworkManager, token: Token, pattern: TokenPatt
     """Restrict a token to its pattern; ProblemError names an unknown object, parameter or value."""
     network, owner = manager.network, token.name
     if pattern.object is not None:
-        thing = manager.model.object_named(pattern.object)
+        thing = manager.model.objects.get(pattern.object)
+        if thing is None:
+            hint = nearest(pattern.object, manager.model.objects)
+            raise ProblemError(f"{owner}: there is no object named {pattern.object!r}{hint}")
         if thing not in token.object.domain:
             raise ProblemError(f"{owner}: object {thing} has no predicate {pattern.predicate}")
         network.restrict(token.object, manager.domain_of_object(thing), owner)
@@ -27,6 +30,9 @@ def apply_pattern(manager: TokenNetworkManager, token: Token, pattern: TokenPatt
             hint = nearest(name, token.parameters)
             raise ProblemError(f"{owner}: predicate {pattern.predicate} has no parameter {name!r}{hint}")
         network.restrict(variable, _narrowed(variable.domain, value, f"{owner}.{name}"), owner)
+        if isinstance(value, tuple) and isinstance(variable.domain, Interval):
+            allowed = network.variable(f"{owner}.{name} allowed", Universe(name, value).domain(), owner)
+            manager.require("eq", (variable, allowed), owner)  # an interval alone would admit what lies between
     for variable_of_time, bounds in ((token.start, pattern.start), (token.end, pattern.end)):
         _bound(manager, variable_of_time, bounds, owner)
     _bound(manager, token.duration, pattern.duration, owner)

@@ -7,7 +7,6 @@ along it, so the slots and the tokens that a newcomer may meet are a window foun
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator
 
 from planner.model.classes import ModelObject
 from planner.temporal.network import TemporalNetworkManager
@@ -29,64 +28,56 @@ class Timeline:
         return f"{self.object}.{self.attribute}"
 
     def window(self, token: Token) -> tuple[int, int]:
-        """The part [first, last) of the sequence whose tokens may share time with the token."""
-        lower, upper = self.temporal.lower, self.temporal.upper
-        first = bisect_left(
-            self.sequence,
-            lower(token.start.timepoint) + 1,
-            key=lambda t: upper(t.end.timepoint),
-        )
-        last = bisect_right(
-            self.sequence,
-            upper(token.end.timepoint) - 1,
-            key=lambda t: lower(t.start.timepoint),
-        )
-        return first, max(first, last)
+        """The part [first, last) of the sequence whose tokens may touch the token."""
+        bounds, sequence = self.temporal.bounds, self.sequence
+        earliest = -bounds[8 * token.start.timepoint + 4]
+        latest = bounds[8 * token.end.timepoint]
+        first = bisect_left(sequence, earliest, key=lambda t: bounds[8 * t.end.timepoint])
+        last = bisect_right(sequence, latest, first, key=lambda t: -bounds[8 * t.start.timepoint + 4])
+        return first, last
 
-    def hosts(self, token: Token) -> Iterator[Token]:
-        """The tokens of the timeline that the token could be codesignated with, as far as bounds can tell."""
+    def openings(self, token: Token) -> tuple[list[Token], list[int]]:
+        """Where the token could go as far as bounds can tell: hosts to codesignate with, positions of empty slots.
+
+        A position is that of the token which the newcomer would come before.
+        """
         first, last = self.window(token)
-        for candidate in self.sequence[first:last]:
-            if may_codesignate(token, candidate):
-                yield candidate
+        hosts = [host for host in self.sequence[first:last] if may_codesignate(token, host)]
+        return hosts, self._slots(token, first, last)
 
-    def slots(self, token: Token) -> Iterator[int]:
-        """The positions at which the token could be inserted, as far as bounds can tell."""
-        lower, upper, sequence = self.temporal.lower, self.temporal.upper, self.sequence
-        start_lower, end_upper = lower(token.start.timepoint), upper(token.end.timepoint)
-        start_upper, end_lower = upper(token.start.timepoint), lower(token.end.timepoint)
+    def _slots(self, token: Token, first: int, last: int) -> list[int]:
+        bounds, sequence = self.temporal.bounds, self.sequence
+        start, end = 8 * token.start.timepoint, 8 * token.end.timepoint
+        start_lower, start_upper = -bounds[start + 4], bounds[start]
+        end_lower, end_upper = -bounds[end + 4], bounds[end]
         shortest = token.duration.stated.lower
-        # The first position whose predecessor can end before the latest start, and on while the successor leaves room.
-        first, last = self.window(token)
+        slots = []
         for position in range(first, last + 1):
-            earliest = start_lower
+            earliest, latest = start_lower, end_upper
             if position > 0:
-                before = lower(sequence[position - 1].end.timepoint)
+                before = -bounds[8 * sequence[position - 1].end.timepoint + 4]
                 if before > start_upper:
-                    return
+                    break
                 earliest = max(earliest, before)
-            latest = end_upper
             if position < len(sequence):
-                after = upper(sequence[position].start.timepoint)
+                after = bounds[8 * sequence[position].start.timepoint]
                 if after < end_lower:
                     continue
                 latest = min(latest, after)
             if earliest + shortest <= latest:
-                yield position
+                slots.append(position)
+        return slots
 
 
 def may_codesignate(token: Token, host: Token) -> bool:
     """Whether two tokens could be one, as far as the domains of their variables can tell."""
     if token.predicate is not host.predicate:
         return False
-    lower, upper = host.start.temporal.lower, host.start.temporal.upper
-    if (
-        lower(token.start.timepoint) > upper(host.start.timepoint)
-        or lower(host.start.timepoint) > upper(token.start.timepoint)
-        or lower(token.end.timepoint) > upper(host.end.timepoint)
-        or lower(host.end.timepoint) > upper(token.end.timepoint)
-    ):
-        return False
+    bounds = host.start.temporal.bounds
+    for mine, other in ((token.start, host.start), (token.end, host.end)):
+        a, b = 8 * mine.timepoint, 8 * other.timepoint
+        if -bounds[a + 4] > bounds[b] or -bounds[b + 4] > bounds[a]:
+            return False
     for name, variable in token.parameters.items():
         if variable.domain.intersect(host.parameters[name].domain).is_empty:
             return False

@@ -8,10 +8,13 @@ from typing import Literal
 
 from planner.constraints.network import AnyVariable, DurationVariable, Owner, TimeVariable, Variable
 from planner.model.classes import Kind, ModelObject, Predicate
+from planner.tokens.groups import OpenGroup, Rank
 
 # goal: must be achieved; rejectable: may be left out; fact: is true and seeks no support; state: holds at the start of
 # the horizon, its rules apply; subgoal: some token's configuration constraint asks for it.
 Role = Literal["goal", "rejectable", "fact", "state", "subgoal"]
+GIVEN: tuple[Role, ...] = ("fact", "state")
+"""The roles of tokens that the problem says are true: no plan has to bring them about."""
 
 
 class TokenState(IntEnum):
@@ -35,6 +38,7 @@ class Token:
         "depth",
         "duration",
         "end",
+        "group",
         "host",
         "id",
         "kind",
@@ -45,6 +49,8 @@ class Token:
         "parameters",
         "placed",
         "predicate",
+        "rank",
+        "rank_key",
         "role",
         "start",
         "state",
@@ -78,6 +84,10 @@ class Token:
         self.state = TokenState.INACTIVE
         self.host: Token | None = None
         self.placed = False
+        self.group: OpenGroup | None = None
+        # What a search found out about the token, and the bounds for which it did: a cache, never undone.
+        self.rank: Rank = ()
+        self.rank_key: tuple[int, ...] = ()
 
     @property
     def thing(self) -> ModelObject:

@@ -25,6 +25,7 @@ _SEVERITY = ("handled", "answered", "unseen", "detected")
 class _Fault:
     stage: str = "unseen"
     detail: str = ""
+    planned_for: bool = False
 
 
 @dataclass
@@ -37,7 +38,7 @@ class HeaderLane:
     _latest_fault: str | None = None
 
     def plan(self, plan_id: str, reason: str, handover: int) -> None:
-        """The plan is in force from the handover on, whatever was before; faults that were answered are handled."""
+        """The plan is in force from the handover on, whatever was before."""
         self.lane.withdraw(handover, _PLAN)
         label = f"{plan_id}: {reason}" if reason else plan_id
         colour = _PLAN_COLOURS[self.plans % len(_PLAN_COLOURS)]
@@ -45,11 +46,11 @@ class HeaderLane:
         self.plans += 1
 
     def handed_over(self, time: int, plan_id: str) -> None:
-        """The new plan has taken over: what was answered before it was made is handled by it."""
-        answered = [name for name, fault in self._faults.items() if fault.stage == "answered"]
-        for name in answered:
-            self._faults[name] = _Fault("handled", plan_id)
-        if answered:
+        """The new plan has taken over: what was known when it was asked for is handled by it."""
+        handled = [name for name, fault in self._faults.items() if fault.planned_for and fault.stage != "handled"]
+        for name in handled:
+            self._faults[name] = _Fault("handled", plan_id, True)
+        if handled:
             self._draw_faults(time)
 
     def goals(self, time: int, board: GoalsBoard) -> None:
@@ -60,7 +61,9 @@ class HeaderLane:
         self.lane.put(time, _GOALS, Block(board.tally(), board.tally(), colour))
 
     def requested(self, time: int, reason: str) -> None:
-        """The planner begins to think."""
+        """The planner begins to think, knowing what has been detected."""
+        for fault in self._faults.values():
+            fault.planned_for = fault.stage != "unseen"
         self._planner(time, f"planning: {reason}", AMBER)
 
     def adopted(self, time: int, plan_id: str, handover: int) -> None:

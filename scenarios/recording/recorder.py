@@ -20,6 +20,7 @@ from scenarios.recording.scene import Quaternion, Scene, draw_static
 from scenarios.recording.stream import Stream
 from scenarios.recording.style import Palette, elapsed, token_label
 from scenarios.recording.telemetry import Channel, Telemetry, panels_of
+from scenarios.words import Reasons
 
 Pixels = np.ndarray[Any, np.dtype[np.uint8]]
 FLUSH_PERIOD = 3600  # simulation seconds: a kill loses no more than the last of these
@@ -81,6 +82,7 @@ class RunRecorder:
         self._in_force = ""
         self._untold: int | None = None
         self._reason = ""
+        self._reasons = Reasons()
         self._next_flush = (horizon[0] // FLUSH_PERIOD + 1) * FLUSH_PERIOD
         self._handlers = self._handler_table()
         self._open = True
@@ -106,6 +108,7 @@ class RunRecorder:
         time = int(entry["t"])
         self._advance(time)
         kind = str(entry.get("event", ""))
+        self._reasons.tell(entry)
         told = story.line(entry)
         if told is not None:
             level, text = told
@@ -224,7 +227,7 @@ class RunRecorder:
         }
 
     def _plan_requested(self, time: int, entry: Mapping[str, Any]) -> None:
-        self._reason = str(entry.get("reason", ""))
+        self._reason = self._reasons.say(str(entry.get("reason", "")))
         self._header.requested(time, self._reason)
 
     def _goal_changed(self, time: int, entry: Mapping[str, Any]) -> None:
@@ -233,10 +236,10 @@ class RunRecorder:
 
     def _fault_detected(self, time: int, entry: Mapping[str, Any]) -> None:
         name = str(entry.get("name") or entry.get("monitor") or "fault")
-        self._header.fault_detected(time, name, str(entry.get("diagnosis") or ""))
+        self._header.fault_detected(time, name, str(entry.get("text") or entry.get("diagnosis") or ""))
 
     def _standby_entered(self, time: int, entry: Mapping[str, Any]) -> None:
-        self._header.standby(time, str(entry.get("reason", "")))
+        self._header.standby(time, self._reasons.say(str(entry.get("reason", ""))))
         self._in_force, self._coming = "", None
         for lane in self._lanes.values():
             lane.stop_plan(time)

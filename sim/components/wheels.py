@@ -57,10 +57,16 @@ class Wheels:
             -0.75 * (c[0] * tx + c[1] * ty + c[2] * tz),
             -0.75 * (d[0] * tx + d[1] * ty + d[2] * tz),
         ]
+        return self.limited(dt_s, motors)
+
+    def limited(self, dt_s: float, motors: list[float]) -> list[float]:
+        """Motor torques (4, N m) like `motors` that keep torque and speed limits for the next `dt_s`."""
         largest = max(*motors, -min(motors))
         if largest > self._torque_limit:
             scale = self._torque_limit / largest
             motors = [scale * motor for motor in motors]
+        else:
+            motors = list(motors)
         if max(*self._speeds, -min(self._speeds)) > self._speed_limit - self._torque_limit * dt_s / self._inertia:
             self._respect_speed_limit(dt_s, motors)
         return motors

@@ -1,0 +1,244 @@
+"""Configuration constraints: for each token that is not a fact, every applicable schema is satisfied by the plan.
+
+A schema's statements are worked through in order with backtracking over the choices that they leave: the token that
+is the witness of a subgoal, the branch of an alternative, the value of a local variable. A witness must stand in its
+temporal relation in every schedule (paper, section 2). A subgoal needs no witness where its token may lie wholly
+outside the horizon: some schedule lets it end by the horizon's start or begin at the horizon's end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from planner.checker.boundary import may_be_outside
+from planner.checker.expressions import Expressions, Path, Wanted
+from planner.checker.network import told
+from planner.checker.requirements import Link, Requirements
+from planner.checker.view import Slot, View, closed
+from planner.checker.violations import Violation
+from planner.checker.witnesses import Witnesses
+from planner.domains import Domain, Interval, Values
+from planner.model.classes import ModelObject
+from planner.model.rules import Guard, Local, OneOf, Relate, Require, Statement, Subgoal
+
+MOST_VALUES = 1000
+"""A local variable with more values than this is tried at the ends of its range only."""
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """Choices made so far. `outside`: subgoals without witness; `links`: distances that concern them. `open`: local
+    numbers without a value; `pending`: relations that are to hold once they have one."""
+
+    names: Mapping[tuple[Path, str], Slot | Wanted | Domain]
+    outside: tuple[Wanted, ...] = ()
+    links: tuple[Link, ...] = ()
+    open: tuple[tuple[Path, str], ...] = ()
+    pending: tuple[tuple[Require, Path], ...] = ()
+
+    def bound(self, path: Path, name: str, meaning: Slot | Wanted | Domain) -> _State:
+        return replace(self, names={**self.names, (path, name): meaning})
+
+
+_Todo = tuple[tuple[Statement, Path], ...]
+
+
+def check_configurations(view: View) -> Iterator[Violation]:
+    """Parameter constraints of all tokens, configuration constraints of those that are not facts."""
+    witnesses = Witnesses(view)
+    for slot in view.slots.values():
+        body = _Body(view, slot, witnesses)
+        if not body.satisfied(slot.predicate.body):
+            text = f"{told(slot.host)} breaks a parameter constraint of its predicate: {body.obstacle}"
+            yield Violation("parameter", text, slot.ids, (slot.object.name,))
+        if slot.is_fact:
+            continue
+        for number, rule in enumerate(view.model.rules_for(slot.object.cls, slot.predicate.name)):
+            body = _Body(view, slot, witnesses)
+            if not body.satisfied(rule.body):
+                label = rule.where or f"rule {number + 1} of {slot.predicate.full_name}"
+                text = f"{told(slot.host)} lacks support by {label}: {body.obstacle}"
+                yield Violation("configuration", text, slot.ids, (slot.object.name,))
+
+
+class _Body:
+    """One body applied to one token. `obstacle`: what the furthest attempt to satisfy it ended at."""
+
+    def __init__(self, view: View, slot: Slot, witnesses: Witnesses) -> None:
+        self.view = view
+        self.slot = slot
+        self.witnesses = witnesses
+        self.expressions = Expressions(view, slot)
+        self.requirements = Requirements(self.expressions)
+        self.obstacle = "it cannot be satisfied"
+        self._furthest = -1
+
+    def satisfied(self, statements: tuple[Statement, ...]) -> bool:
+        """Whether some choice of witnesses, branches and values satisfies all statements."""
+        return self._solve(tuple((s, ()) for s in statements), _State({}), 0)
+
+    def _solve(self, todo: _Todo, state: _State, depth: int) -> bool:
+        if not todo:
+            return self._settled(state, depth)
+        (statement, path), rest = todo[0], todo[1:]
+        return any(
+            self._solve((*more, *rest), reached, depth + 1)
+            for more, reached in self._ways(statement, path, state, depth)
+        )
+
+    def _ways(self, statement: Statement, path: Path, state: _State, depth: int) -> Iterator[tuple[_Todo, _State]]:
+        """The ways to satisfy a statement: what it adds to do, and what has been chosen."""
+        if isinstance(statement, Subgoal):
+            for reached in self._subgoal(statement, path, state, depth):
+                yield (), reached
+        elif isinstance(statement, Relate):
+            origin = self.expressions.token(statement.origin, state.names, path)
+            target = self.expressions.token(statement.target, state.names, path)
+            links = self.requirements.relation(statement.relation, statement.bounds, origin, target)
+            yield from self._linked(statement, links, state, depth)
+        elif isinstance(statement, Require):
+            yield from self._require(statement, path, state, depth)
+        elif isinstance(statement, Local):
+            for reached in self._local(statement, path, state):
+                yield (), reached
+        elif isinstance(statement, Guard):
+            yield from self._guard(statement, path, state)
+        else:
+            yield from self._one_of(statement, path, state)
+
+    def _subgoal(self, statement: Subgoal, path: Path, state: _State, depth: int) -> Iterator[_State]:
+        model = self.view.model
+        predicate = model.predicate(*statement.predicate)
+        objects = model.objects_of(statement.predicate[0])
+        target = statement.target and self.expressions.resolve(statement.target, state.names, path)
+        for slot in self.witnesses.candidates(self.slot, predicate, statement.relation, statement.bounds):
+            if slot.object not in objects or not _may_be(slot.object, target):
+                continue
+            links = self.requirements.relation(statement.relation, statement.bounds, self.slot, slot)
+            if self.requirements.unsettled(links) is not None:
+                yield state.bound(path, statement.name, slot)
+        wanted = Wanted(f"{statement.name}@{len(state.names)}", predicate)
+        links = self.requirements.relation(statement.relation, statement.bounds, self.slot, wanted)
+        points = [self.view.network.point(self.slot.id, which) for which in ("start", "end")]
+        if may_be_outside(self.view.network, self.view.plan.horizon, [wanted], links, points):
+            reached = state.bound(path, statement.name, wanted)
+            yield replace(reached, outside=(*state.outside, wanted), links=(*state.links, *links))
+        else:
+            where = "" if target is None else f" of {target}"
+            text = f"in every schedule it needs a fitting {predicate.full_name}{where} by {statement.relation}"
+            self._blocked(depth, f"{text}{_bounds_said(statement)}, and the plan has none")
+
+    def _linked(
+        self, statement: Statement, links: list[Link], state: _State, depth: int
+    ) -> Iterator[tuple[_Todo, _State]]:
+        rest = self.requirements.unsettled(links)
+        if rest is not None:
+            yield (), replace(state, links=(*state.links, *rest))
+        else:
+            self._blocked(depth, f"{_said(statement)} does not hold in every schedule")
+
+    def _require(self, statement: Require, path: Path, state: _State, depth: int) -> Iterator[tuple[_Todo, _State]]:
+        links = self.requirements.links(statement.procedure, statement.arguments, state.names, path)
+        if links is not None:
+            yield from self._linked(statement, links, state, depth)
+        elif not self.requirements.holds(statement.procedure, statement.arguments, state.names, path):
+            self._blocked(depth, f"{self._evaluated(statement, path, state)} does not hold")
+        elif state.open:
+            yield (), replace(state, pending=(*state.pending, (statement, path)))
+        else:
+            yield (), state
+
+    def _evaluated(self, statement: Require, path: Path, state: _State) -> str:
+        """A relation with the values that its arguments have."""
+        expressions = self.expressions
+        values = [expressions.domain(a, state.names, path, expressions.range_of) for a in statement.arguments]
+        said = (repr(a) if v is None else f"{a!r} = {v!r}" for a, v in zip(statement.arguments, values, strict=True))
+        return f"{statement.procedure}({', '.join(said)})"
+
+    def _local(self, statement: Local, path: Path, state: _State) -> Iterator[_State]:
+        domain = closed(self.view.model.domain_of(statement.type))
+        if isinstance(domain, Interval) and not domain.is_singleton:
+            key = (path, statement.name)
+            yield replace(state.bound(path, statement.name, domain), open=(*state.open, key))
+            return
+        for value in domain.values():
+            one = domain.keep((value,)) if isinstance(domain, Values) else domain
+            yield state.bound(path, statement.name, one)
+
+    def _guard(self, statement: Guard, path: Path, state: _State) -> Iterator[tuple[_Todo, _State]]:
+        """A guard acts once its test is decided; over a local number it waits, and decides nothing."""
+        verdict = self.requirements.decide(
+            statement.test, statement.arguments, state.names, path, self.expressions.range_of
+        )
+        branch = statement.then if verdict is True else statement.otherwise if verdict is False else ()
+        yield tuple((s, (*path, len(state.names))) for s in branch), state
+
+    def _one_of(self, statement: OneOf, path: Path, state: _State) -> Iterator[tuple[_Todo, _State]]:
+        for branch in statement.branches:
+            yield tuple((s, (*path, len(state.names))) for s in branch), state
+
+    def _settled(self, state: _State, depth: int) -> bool:
+        """At the end: numbers for the local variables, and a place outside for what has no witness."""
+        if state.outside:
+            network = self.view.network
+            if not may_be_outside(network, self.view.plan.horizon, state.outside, state.links, ()):
+                names = ", ".join(w.predicate.full_name for w in state.outside)
+                self._blocked(depth, f"{names} must happen within the horizon, and the plan has none that fits")
+                return False
+        if not state.pending:
+            return True
+        if self._numbers(state, state.open):
+            return True
+        self._blocked(depth, f"no values of the local variables satisfy {_said(state.pending[0][0])}")
+        return False
+
+    def _numbers(self, state: _State, left: tuple[tuple[Path, str], ...]) -> bool:
+        if not left:
+            return all(self.requirements.holds(r.procedure, r.arguments, state.names, p) for r, p in state.pending)
+        key = left[0]
+        domain = self._narrowed(state, key)
+        if domain is None or domain.is_empty:
+            return False
+        if isinstance(domain, Interval) and (not domain.integer or domain.size > MOST_VALUES):
+            values = [v for v in (domain.lower, domain.upper, 0) if v in domain and abs(v) != float("inf")]
+        else:
+            values = list(domain.values())
+        for value in values:
+            whole = isinstance(domain, Interval) and domain.integer
+            if self._numbers(state.bound(*key, Interval(value, value, whole)), left[1:]):
+                return True
+        return False
+
+    def _narrowed(self, state: _State, key: tuple[Path, str]) -> Domain | None:
+        """What the pending relations leave of a local number, as far as their procedures tell."""
+        domain = state.names[key]
+        assert isinstance(domain, Interval)
+        path, name = key
+        for require, place in state.pending:
+            times = self.expressions.range_of
+            for ref, part in self.expressions.narrowed(require.procedure, require.arguments, state.names, place, times):
+                if ref.path == (name,) and place[: len(path)] == path:
+                    domain = domain.intersect(part)
+        return domain
+
+    def _blocked(self, depth: int, obstacle: str) -> None:
+        if depth > self._furthest:
+            self._furthest, self.obstacle = depth, obstacle
+
+
+def _may_be(thing: ModelObject, target: object) -> bool:
+    """Whether an object is, as far as is known, the one that a subgoal names."""
+    if isinstance(target, ModelObject):
+        return thing is target
+    return thing in target if isinstance(target, Values) else True
+
+
+def _said(statement: Statement) -> str:
+    if isinstance(statement, Require):
+        return f"{statement.procedure}({', '.join(map(repr, statement.arguments))})"
+    return f"{statement.origin} {statement.relation} {statement.target}" if isinstance(statement, Relate) else ""
+
+
+def _bounds_said(statement: Subgoal) -> str:
+    return "".join(f" [{lower:g} {upper:g}]" for lower, upper in statement.bounds)

@@ -1,0 +1,41 @@
+"""What every search engine is given and gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from planner.database import PlanDatabase
+
+Acceptance = Callable[[PlanDatabase], bool]
+"""Judges a complete plan; one that it refuses is a dead end."""
+Description = Callable[[list[Any]], str]
+"""Makes text of an explanation: the owners of what is in conflict."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When to give up: decisions tried, seconds of wall clock."""
+
+    max_steps: int = 1_000_000
+    max_seconds: float = 60.0
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What the search found. `complete`: the database holds a complete plan. `exhausted`: there is none.
+
+    `conflict`: what stood in the way nearest to the problem, and how many decisions deep that was.
+    """
+
+    complete: bool = False
+    exhausted: bool = False
+    steps: int = 0
+    backtracks: int = 0
+    conflict: tuple[int, str] | None = None
+
+    def note(self, depth: int, describe: Callable[[], str]) -> None:
+        """Keep a dead end if it is nearer to the problem than the one kept so far; only then is it described."""
+        if self.conflict is None or depth < self.conflict[0]:
+            self.conflict = depth, describe()

@@ -1,0 +1,175 @@
+"""Charts of a report as inline SVG text: plan against execution, and telemetry. No scripts, no references."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+
+from scenarios.recording.reading import Plot
+from scenarios.recording.style import DARK_RED, RED, Palette, token_label
+from scenarios.run_story import Lane, RunStory, Stretch
+from scenarios.times import clock
+
+WIDTH = 1000
+_LEFT, _RIGHT = 8, 12
+_LETTER = 5.7  # mean width of a letter of 10 units height
+_NAME, _THIN, _THICK, _GAP = 15, 8, 20, 9
+_LINES = ("#2563a8", "#c2571a", "#1f8a5b", "#8a3fb0")
+_POINTS = 500
+_STEPS_S = (60, 300, 600, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800, 2_592_000)
+
+
+class Axis:
+    """From seconds to places on the chart."""
+
+    def __init__(self, start: int, end: int) -> None:
+        self.start, self.end = start, max(end, start + 1)
+
+    def x(self, time: float) -> float:
+        """Where a second is, in chart units."""
+        share = (min(max(time, self.start), self.end) - self.start) / (self.end - self.start)
+        return round(_LEFT + share * (WIDTH - _LEFT - _RIGHT), 1)
+
+    def ticks(self) -> Iterator[int]:
+        """Round times, a dozen at most."""
+        step = next((s for s in _STEPS_S if (self.end - self.start) / s <= 13), _STEPS_S[-1])
+        return iter(range(math.ceil(self.start / step) * step, self.end + 1, step))
+
+    def grid(self, top: float, bottom: float) -> Iterator[str]:
+        """Lines at the ticks, with their times below."""
+        for tick in self.ticks():
+            x = self.x(tick)
+            anchor = "start" if x < 40 else "end" if x > WIDTH - 40 else "middle"
+            yield f'<line class="grid" x1="{x}" y1="{top}" x2="{x}" y2="{bottom}"/>'
+            yield f'<text class="tick" x="{x}" y="{bottom + 12}" text-anchor="{anchor}">{clock(tick)[:-3]}</text>'
+
+
+def timeline(story: RunStory) -> str:
+    """All lanes under the plans in force, with the faults and changes of plan across them."""
+    axis, palette = Axis(*story.horizon), Palette()
+    parts: list[str] = []
+    y = 34.0
+    parts += _phases(story, axis, y)
+    y += _THICK + _GAP
+    for lane in story.lanes:
+        parts += _lane(lane, axis, palette, y)
+        y += _NAME + 2 * _THIN + _THICK + _GAP
+    return _svg(y + 18, [*axis.grid(28, y), *parts, *_marks(story, axis, y)], "plan against execution")
+
+
+def _phases(story: RunStory, axis: Axis, y: float) -> Iterator[str]:
+    for number, phase in enumerate(story.phases):
+        colour = "#2b5c9e" if phase.plan and number % 4 < 2 else "#0f766e" if phase.plan else "#b07d1e"
+        label = f"{phase.plan}: {phase.why}" if phase.plan else f"standby: {phase.why}"
+        yield _bar(axis, phase.start, phase.end, y, _THICK, colour, label, f"{label}, from {clock(phase.start)}")
+
+
+def _lane(lane: Lane, axis: Axis, palette: Palette, y: float) -> Iterator[str]:
+    yield f'<text class="lane" x="{_LEFT}" y="{y + 11}">{escape(lane.name)}</text>'
+    y += _NAME
+    for stretches, words in ((lane.earliest, "planned, earliest"), (lane.latest, "planned, latest")):
+        top = y if words.endswith("earliest") else y + _THIN + _THICK
+        for stretch in stretches:
+            label, colour = _look(stretch, palette)
+            title = f"{words}: {label}, {_span(stretch)}"
+            yield _bar(axis, stretch.start, stretch.end, top, _THIN - 1, colour, "", title, "planned")
+    for stretch in lane.done:
+        label, colour = _look(stretch, palette)
+        word = {"failed": " failed", "aborted": " called off"}.get(stretch.state, "")
+        title = f"{label}{word}, {_span(stretch)}" + (f": {stretch.note}" if stretch.note else "")
+        yield _bar(axis, stretch.start, stretch.end, y + _THIN, _THICK - 1, colour, label, title)
+        if word:
+            x = axis.x(stretch.end)
+            colour = _hex(RED if stretch.state == "failed" else DARK_RED)
+            yield f'<rect x="{x - 2}" y="{y + _THIN}" width="4" height="{_THICK - 1}" fill="{colour}"/>'
+
+
+def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
+    """Vertical lines: faults that occur, faults that are noticed, plans that take over."""
+    kinds = {
+        "fault.injected": ("fault", lambda e: f"{e['name']} occurs"),
+        "fault.detected": ("seen", lambda e: f"noticed: {e.get('text') or e.get('diagnosis') or e.get('monitor')}"),
+        "plan.adopted": ("plan", lambda e: f"{e['plan']} takes over"),
+    }
+    for entry in story.events(*kinds):
+        style, words = kinds[entry["event"]]
+        x, text = axis.x(entry["t"]), words(entry)
+        if style == "plan" and entry["reason"] == "initial":
+            continue
+        row, anchor = {"fault": (10, "end"), "seen": (10, "start"), "plan": (22, "start")}[style]
+        if x < 150:
+            anchor = "start"
+        elif x > WIDTH - 250:
+            anchor = "end"
+        offset = 3 if anchor == "start" else -3
+        yield f'<line class="{style}" x1="{x}" y1="2" x2="{x}" y2="{bottom}"/>'
+        yield f'<text class="{style}" x="{x + offset}" y="{row}" text-anchor="{anchor}">{escape(text)}</text>'
+
+
+def plot(panel: Plot, title: str, story: RunStory) -> str:
+    """One panel of telemetry."""
+    axis, top, bottom = Axis(*story.horizon), 8.0, 118.0
+    values = [v for _, row in panel.rows for v in row if math.isfinite(v)]
+    if not values:
+        return ""
+    low, high = min(0.0, *values) if min(values) < 0.3 * max(values) else min(values), max(values)
+    if high - low < 1e-9:
+        low, high = low - 0.5, high + 0.5
+
+    def y(value: float) -> float:
+        return round(bottom - (value - low) / (high - low) * (bottom - top), 1)
+
+    parts = [*axis.grid(top, bottom)]
+    for value in (low, (low + high) / 2, high):
+        parts.append(f'<line class="grid" x1="{_LEFT}" y1="{y(value)}" x2="{WIDTH - _RIGHT}" y2="{y(value)}"/>')
+        parts.append(f'<text class="tick" x="{_LEFT + 2}" y="{y(value) - 3 + (value == high) * 13}">{value:.4g}</text>')
+    for column in range(len(panel.rows[0][1])):
+        colour = _LINES[column % len(_LINES)]
+        points = " ".join(f"{axis.x(t)},{y(v)}" for t, v in _thinned([(t, row[column]) for t, row in panel.rows]))
+        parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
+    return _svg(bottom + 18, parts, title)
+
+
+def line_colour(column: int) -> str:
+    """The colour of a plot's line."""
+    return _LINES[column % len(_LINES)]
+
+
+def _thinned(points: Sequence[tuple[int, float]]) -> Iterator[tuple[int, float]]:
+    """Least and greatest value of each of a few hundred spans, so that no peak is lost."""
+    size = max(1, math.ceil(2 * len(points) / _POINTS))
+    for first in range(0, len(points), size):
+        span = [p for p in points[first : first + size] if math.isfinite(p[1])]
+        if span:
+            ends = {min(span, key=lambda p: p[1]), max(span, key=lambda p: p[1])}
+            yield from sorted(ends)
+
+
+def _bar(
+    axis: Axis, start: int, end: int, y: float, height: float, colour: str, label: str, title: str, style: str = "done"
+) -> str:
+    x, width = axis.x(start), round(max(0.6, axis.x(end) - axis.x(start)), 1)
+    letters = int((width - 5) / _LETTER)
+    shown = label if len(label) <= letters else label[: letters - 1] + "…" if letters >= 4 else ""
+    text = f'<text class="label" x="{x + 3}" y="{y + height - 6}">{escape(shown)}</text>' if shown else ""
+    rect = f'<rect class="{style}" x="{x}" y="{y}" width="{width}" height="{height}" fill="{colour}"/>'
+    return f"<g><title>{escape(title)}</title>{rect}{text}</g>"
+
+
+def _look(stretch: Stretch, palette: Palette) -> tuple[str, str]:
+    label = token_label(stretch.predicate, stretch.parameters)
+    return label, _hex(palette.colour(stretch.predicate.rpartition(".")[2], stretch.parameters))
+
+
+def _span(stretch: Stretch) -> str:
+    return f"{clock(stretch.start)} to {clock(stretch.end)}"
+
+
+def _hex(colour: int) -> str:
+    return f"#{colour >> 8:06x}"
+
+
+def _svg(height: float, parts: Iterable[str], name: str) -> str:
+    head = f'<svg viewBox="0 0 {WIDTH} {height:g}" role="img" aria-label="{escape(name)}">'
+    return head + "".join(parts) + "</svg>"

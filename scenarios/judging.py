@@ -1,0 +1,29 @@
+"""A plan of a run judged against its scenario, independently of the planner."""
+
+from __future__ import annotations
+
+from planner.checker import Violation, check
+from planner.plan import FlexiblePlan, PlanToken
+from planner.problem import Problem, TokenPattern
+from scenarios.config import Scenario
+from scenarios.goals import model_of
+
+
+def violations_of(plan: FlexiblePlan, scenario: Scenario) -> tuple[Violation, ...]:
+    """Every requirement that the plan breaks.
+
+    A goal that the plan claims must be what the scenario asks for; a goal that it leaves out is not held against it,
+    since plans are made in mid-run too, when goals are already achieved or dropped. The state from which such a plan
+    starts is known to the plan alone and taken as given.
+    """
+    claimed = {token.goal for token in plan.tokens}
+    goals = tuple(goal.goal() for goal in scenario.goals)
+    state = tuple(_stated(token) for token in plan.tokens if token.master is None and token.goal is None)
+    problem = Problem((plan.horizon[0], scenario.horizon), state, goals=goals)
+    dropped = [goal.id for goal in goals if goal.id not in claimed]
+    return check(plan, model_of(scenario, scenario.name), problem, dropped)
+
+
+def _stated(token: PlanToken) -> TokenPattern:
+    decided = {name: value for name, value in token.parameters.items() if isinstance(value, str | int | float | bool)}
+    return TokenPattern(token.predicate, token.object, decided, start=token.start)

@@ -1,0 +1,193 @@
+"""The report of a run: one HTML page for a person, made from the run folder alone. No scripts, nothing loaded."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from scenarios import charts
+from scenarios.errors import ScenarioError
+from scenarios.folder import RECORDING, REPORT
+from scenarios.recording import story as words
+from scenarios.recording.reading import Picture, Readings, read
+from scenarios.run_story import RunStory
+from scenarios.times import clock
+
+_TOLD = ("run.started", "plan.adopted", "plan.failed", "goal", "token.failed", "standby.entered", "run.finished")
+_LEAST = ("fault.injected", "fault.detected", "fault.response", "fault.cleared")
+
+
+def write_report(folder: Path, to: Path | None = None) -> Path:
+    """Write the report page of a run folder, in the folder or to another file; returns where.
+
+    ScenarioError when the folder is not one of a run, or the file cannot be written. A run that was killed has a
+    report too.
+    """
+    page = page_of(RunStory.load(folder), read(folder / RECORDING))
+    target = folder / REPORT if to is None else to
+    try:
+        target.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise ScenarioError(f"{target}: {error.strerror}") from error
+    return target
+
+
+def page_of(story: RunStory, readings: Readings) -> str:
+    """The page's text."""
+    start = next(story.events("run.started"), {})
+    title = f"{start.get('scenario') or 'run'}, seed {start.get('seed', '?')}"
+    body = [
+        _head(story, title),
+        _section("Goals", _goals(story)),
+        _section("Plan against execution", _timeline(story)),
+        _section("Faults and responses", _faults(story)),
+        _section("Plans", _plans(story)),
+        _section("Flight rules", _flight_rules(story)),
+        _section("Resources", "".join(_plots(story, readings))),
+        _section("Images", _images(readings.pictures)),
+        _section("What happened", _events(story)),
+    ]
+    style = files("scenarios").joinpath("report.css").read_text(encoding="utf-8")
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{style}</style></head><body>\n" + "\n".join(body) + "\n</body></html>\n"
+    )
+
+
+def _section(title: str, content: str) -> str:
+    return f"<section><h2>{title}</h2>{content}</section>" if content else ""
+
+
+def _head(story: RunStory, title: str) -> str:
+    summary = story.summary
+    outcome = summary.get("outcome", "not finished")
+    goals = story.goals()
+    achieved = sum(goal["status"] == "achieved" for goal in goals)
+    facts = [f"{achieved} of {len(goals)} goals achieved", f"{clock(story.last)} flown", _count(story.plans, "plan")]
+    if summary:
+        facts.append(_count(summary["faults"], "fault"))
+        facts.append(f"{summary['wall_seconds']:.1f} s of wall time")
+    badge = f'<span class="badge {escape(outcome.replace(" ", "-"))}">{escape(outcome)}</span>'
+    return f"<header><h1>{escape(title)} {badge}</h1><p>{escape(', '.join(facts))}</p></header>"
+
+
+def _goals(story: RunStory) -> str:
+    rows = [
+        [_badge(g["status"]), escape(g["id"]), _time(g["time"]), _text(g["reason"] or "", "reason")]
+        for g in story.goals()
+    ]
+    return _table(("", "goal", "at", "why"), rows)
+
+
+def _timeline(story: RunStory) -> str:
+    note = (
+        "Of each timeline: planned at the earliest (thin, above), done (thick), planned at the latest (thin, below). "
+        "A red end: failed or called off."
+    )
+    return f'<p class="note">{note}</p><div class="wide">{charts.timeline(story)}</div>'
+
+
+def _faults(story: RunStory) -> str:
+    texts = {e.get("diagnosis"): e.get("text") for e in story.events("fault.detected")}
+    faults = story.summary.get("faults")
+    if faults is None:
+        faults = [{"name": e["name"], "injected": e["t"]} for e in story.events("fault.injected")]
+    rows = []
+    for fault in faults:
+        diagnosis = fault.get("diagnosis")
+        meant = texts.get(diagnosis) or diagnosis or ""
+        times = [_time(fault.get("injected")), _time(fault.get("detected"))]
+        rows.append([escape(fault["name"]), *times, _text(meant), escape(fault.get("response") or "")])
+    return _table(("fault", "occurred", "noticed", "taken for", "response"), rows) if rows else "<p>None.</p>"
+
+
+def _plans(story: RunStory) -> str:
+    rows = []
+    for plan in story.summary.get("plans", ()):
+        start, end = plan["horizon"]
+        size = f"{plan['tokens']} tokens, {plan['constraints']} constraints"
+        effort = f"{plan['steps']} steps, {plan['solve_seconds']:.2f} s; {plan['deliberation_charged']} s charged"
+        rows.append([escape(plan["id"]), f"{clock(start)} to {clock(end)}", _text(plan["reason"]), size, effort])
+    return _table(("plan", "covers", "why", "size", "planning"), rows) if rows else ""
+
+
+def _flight_rules(story: RunStory) -> str:
+    rules = story.summary.get("flight_rules")
+    if rules is None:
+        return ""
+    if not rules["violations"]:
+        return f"<p>None of {rules['checked']} broken.</p>"
+    rows = [[escape(v["rule"]), clock(v["start"]), clock(v["end"])] for v in rules["violations"]]
+    return _table(("rule broken", "from", "to"), rows)
+
+
+def _plots(story: RunStory, readings: Readings) -> Iterator[str]:
+    for path, panel in readings.plots.items():
+        title = path.rpartition("/")[2].replace("_", " ")
+        drawing = charts.plot(panel, title, story) if panel.rows else ""
+        if drawing:
+            names = panel.names if len(panel.names) > 1 else ()
+            keys = "".join(
+                f' <span class="key" style="color:{charts.line_colour(n)}">{escape(name)}</span>'
+                for n, name in enumerate(names)
+            )
+            yield f'<figure><figcaption>{escape(title)}{keys}</figcaption><div class="wide">{drawing}</div></figure>'
+
+
+def _images(pictures: Sequence[Picture]) -> str:
+    shown = []
+    for picture in pictures:
+        source = f"data:{picture.media_type};base64,{b64encode(picture.blob).decode('ascii')}"
+        text = escape(f"{clock(picture.time)} {picture.caption or 'chase view'}")
+        shown.append(f'<figure><img alt="{text}" src="{source}"><figcaption>{text}</figcaption></figure>')
+    return f'<div class="images">{"".join(shown)}</div>' if shown else ""
+
+
+def _events(story: RunStory) -> str:
+    lines = []
+    for entry in story.events(*_TOLD, *_LEAST):
+        told = words.line(_humane(entry, story))
+        if told is not None:
+            time, _, text = told[1].partition("  ")
+            lines.append(f'<li class="{told[0].lower()}"><time>{time}</time> {_text(text)}</li>')
+    return f'<ol class="events">{"".join(lines)}</ol>'
+
+
+def _humane(entry: dict[str, Any], story: RunStory) -> dict[str, Any]:
+    """The entry with its reason in words."""
+    if "reason" in entry and entry["event"] != "goal":
+        entry = entry | {"reason": story.reasons.say(str(entry["reason"]))}
+    if entry["event"] == "fault.detected" and entry.get("text"):
+        entry = entry | {"monitor": entry["text"]}
+    return entry
+
+
+def _table(heads: Iterable[str], rows: Sequence[Sequence[str]]) -> str:
+    heads = tuple(heads)
+    top = "".join(f"<th>{head}</th>" for head in heads)
+    lines = []
+    for row in rows:
+        cells = "".join(f'<td data-head="{head}">{cell}</td>' for head, cell in zip(heads, row, strict=True))
+        lines.append(f"<tr>{cells}</tr>")
+    return f"<table><thead><tr>{top}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+
+
+def _badge(status: str) -> str:
+    return f'<span class="badge {escape(status)}">{escape(status)}</span>'
+
+
+def _text(text: str, style: str = "") -> str:
+    return f'<span class="{style}">{escape(text)}</span>' if style and text else escape(text)
+
+
+def _time(time: int | None) -> str:
+    return "" if time is None else clock(time)
+
+
+def _count(things: Any, name: str) -> str:
+    return f"{len(things)} {name}{'' if len(things) == 1 else 's'}"

@@ -1,0 +1,46 @@
+"""Reasons in a reader's words: why a plan was given up, told from what the journal says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+_KINDS = {
+    "early": "something ended too early",
+    "late": "something took too long",
+    "unconfirmed": "a command had no effect",
+    "refused": "a command was refused",
+    "lock": "something that a running activity needs was lost",
+    "incompatible": "two activities need opposite things",
+    "fault": "a fault was found",
+    "dispatch": "the plan could not be kept",
+    "standby": "standby was not reached",
+}
+
+
+class Reasons:
+    """Follows a journal. What was concluded in the very second in which a plan was given up is why it was given up."""
+
+    def __init__(self) -> None:
+        self._concluded: tuple[int, str] | None = None
+        self._known: dict[str, str] = {}
+
+    def tell(self, entry: Mapping[str, Any]) -> None:
+        """A journal entry, in order."""
+        event = entry.get("event")
+        if event == "fault.detected" and entry.get("text"):
+            self._concluded = (entry["t"], str(entry["text"]))
+        elif event == "standby.entered" and self._concluded is not None and self._concluded[0] == entry["t"]:
+            self._known[str(entry.get("reason", ""))] = self._concluded[1]
+
+    def say(self, reason: str) -> str:
+        """The executive's reason in words: the conclusion drawn with it, or else what the violations mean."""
+        return self._known.get(reason) or in_words(reason)
+
+
+def in_words(reason: str) -> str:
+    """`late: ...` and its like with the kind of violation in words; anything else as it stands."""
+    if reason == "initial":
+        return "the first plan"
+    kind, colon, detail = reason.partition(": ")
+    return f"{_KINDS[kind]}: {detail}" if colon and kind in _KINDS else reason

@@ -1,0 +1,139 @@
+"""Chronological search against an exhaustive oracle on small random domains: sound, complete, deterministic."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections import Counter
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from planner.constraints.network import ConstraintNetworkManager, Inconsistency
+from planner.database import PlanDatabase
+from planner.extraction import extract
+from planner.plan import FlexiblePlan
+from planner.planning import plan
+from planner.search.chronological import Limits, search
+from planner.search.decisions import Codesignate, Decision, Insert
+from planner.search.flaws import OpenToken
+from planner.tokens.instance import GuardInstance
+from tests.planner.search.ground import Oracle, Small, model_of, problem_of, random_small, schedules, violations
+
+LIMITS = Limits(max_steps=3000, max_seconds=20)
+
+
+def solve(small: Small) -> tuple[FlexiblePlan | None, bool, set[str], bool]:
+    """The plan, whether the search space was exhausted, the facts' identifiers, whether tokens stayed open."""
+    problem = problem_of(small)
+    database = PlanDatabase(model_of(small), problem.horizon)
+    try:
+        for role, patterns in (("state", problem.state), ("fact", problem.facts)):
+            for pattern in patterns:
+                database.state(pattern, role, "state" if role == "state" else "fact")
+        for goal in problem.goals:
+            database.state(goal.token, goal.id, "goal")
+        database.network.propagate()
+    except Inconsistency:
+        return None, True, set(), False
+    outcome = search(database, LIMITS)
+    if not outcome.complete:
+        return None, outcome.exhausted, set(), False
+    found = extract(database)
+    slots = [slot for line in found.timelines for slot in line.slots]
+    facts = {slot[0] for slot in slots if found.token(slot[0]).fact}
+    return found, False, facts, bool(database.tokens.open_tokens)
+
+
+def disagreements(seeds: range) -> Iterator[tuple[int, str]]:
+    """Every seed with what came of it: agreement by kind, or what is wrong."""
+    for seed in seeds:
+        small = random_small(random.Random(seed))
+        found, exhausted, facts, still_open = solve(small)
+        if found is not None:
+            wrong = [v for at in schedules(found) for v in violations(small, found, at, facts)]
+            if still_open:
+                yield seed, "open at the boundary"
+            elif wrong:
+                yield seed, f"WRONG: unsound: {wrong[0]}"
+            else:
+                yield seed, "solved" if next(schedules(found), None) else "WRONG: a plan without a schedule"
+            continue
+        verdict = Oracle(small).feasible()
+        if not exhausted or verdict is None:
+            yield seed, "too large"
+        else:
+            yield seed, "WRONG: incomplete" if verdict else "impossible"
+
+
+def test_search_against_the_oracle() -> None:
+    results = list(disagreements(range(350)))
+    assert not [r for r in results if r[1].startswith("WRONG")]
+    counts = Counter(kind for _, kind in results)
+    assert counts["solved"] > 80
+    assert counts["impossible"] > 60
+
+
+def _without(forgotten: Callable[[Decision], bool]) -> Callable[[OpenToken, PlanDatabase], Iterator[Decision]]:
+    whole = OpenToken.decisions
+
+    def decisions(flaw: OpenToken, database: PlanDatabase) -> Iterator[Decision]:
+        return (d for d in whole(flaw, database) if not forgotten(d))
+
+    return decisions
+
+
+@pytest.mark.parametrize(
+    "forgotten",
+    [
+        pytest.param(lambda d: isinstance(d, Insert) and d.position == 0, id="first slot"),
+        pytest.param(lambda d: isinstance(d, Insert) and d.position > 0, id="later slots"),
+        pytest.param(lambda d: isinstance(d, Codesignate), id="hosts"),
+    ],
+)
+def test_a_forgotten_decision_is_seen(
+    monkeypatch: pytest.MonkeyPatch, forgotten: Callable[[Decision], bool]
+) -> None:
+    monkeypatch.setattr(OpenToken, "decisions", _without(forgotten))
+    assert any(kind.startswith("WRONG") for _, kind in disagreements(range(200)))
+
+
+def _guard_ignored(guard: GuardInstance, network: ConstraintNetworkManager) -> None:
+    """Never act."""
+
+
+def test_a_forgotten_guard_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(GuardInstance, "run", _guard_ignored)
+    assert any(kind.startswith("WRONG") for _, kind in disagreements(range(200)))
+
+
+def test_the_same_problem_twice_gives_the_same_plan() -> None:
+    for seed in range(40):
+        small = random_small(random.Random(seed))
+        texts = set()
+        for _ in range(2):
+            result = plan(model_of(small), problem_of(small))
+            texts.add(json.dumps(result.plan.to_json() if result.plan else None))
+        assert len(texts) == 1, seed
+
+
+def test_after_a_failure_the_database_is_as_before() -> None:
+    checked = 0
+    for seed in range(120):
+        small = random_small(random.Random(seed))
+        problem = problem_of(small)
+        database = PlanDatabase(model_of(small), problem.horizon)
+        try:
+            for goal in problem.goals:
+                database.state(goal.token, goal.id, "goal")
+            database.network.propagate()
+        except Inconsistency:
+            continue
+        names = [t.name for t in database.tokens.tokens]
+        outcome = search(database, LIMITS)
+        if not outcome.complete:
+            checked += 1
+            assert [t.name for t in database.tokens.tokens] == names
+            assert database.trail.depth == 0
+            assert all(OpenToken(t).token.state == 0 for t in database.tokens.tokens)
+    assert checked > 5
