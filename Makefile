@@ -28,8 +28,8 @@ lint: set-up-dev
 	$(BIN)/codespell
 
 bench: set-up-dev
-	$(BIN)/python -m tests.benchmarks.bench_temporal
-	$(BIN)/python -m tests.benchmarks.bench_stnu
+	@set -eu; for file in tests/benchmarks/bench_*.py; do \
+	  name=$${file##*/}; echo "$$name"; $(BIN)/python -m "tests.benchmarks.$${name%.py}"; done
 
 set-up:
 	@PYTHON='$(PYTHON)' sh scripts/set_up run

@@ -27,5 +27,5 @@ class ResumeError(ExecutiveError):
     """A run flown again departs from its journal; the message says at which line, and both lines."""
 
 
-class RecordedFailure(Exception):
+class RecordedError(Exception):
     """What a planner raised, in the words of the journal; raised in its place when the run is flown again."""

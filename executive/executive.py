@@ -9,21 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NoReturn
 
-from executive.bindings import Bindings
+from executive.bindings import NEXT_PLAN, Bindings
 from executive.commands import CommandLink
 from executive.errors import ExecutiveError
 from executive.execution import Execution, Happening
+from executive.goals import GoalBook
+from executive.inputs import goal_to_json, settings_to_json
+from executive.interlude import Interlude
 from executive.journal import Journal
 from executive.monitor import Conclusions, FaultProtection, FaultRecord, Violation
 from executive.port import Plant, TelemetryValue
 from executive.records import AdoptedPlan, DispatchStatistics, GoalRecord, Outcome, Settings
-from executive.replanner import Failed, GoalBook, Ready, Replanner
-from executive.standby import StandbyKeeper
-from planner.problem import Goal, Planner, TokenPattern
+from executive.replanner import Ready, Replanner
+from executive.succession import Succession
+from planner.problem import Goal, Planner
 
 _NEVER = 1 << 62
-# A state that changes while the planner thinks is planned for again at once this often, then after a delay.
-_PROMPT_RETRIES = 3
 # So many plans in a row that were given up before they achieved a goal are replaced at once, the next after a delay.
 _PROMPT_PLANS = 3
 
@@ -53,21 +54,24 @@ class Executive:
         self._settings = settings or Settings()
         self._channels = bindings.channels()
         self._telemetry: dict[str, TelemetryValue] = {}
+        self._begun = False
         self._now = horizon[0] - 1
         self._due = horizon[0]
         self._link = CommandLink(plant, journal)
         self._conclusions = Conclusions(journal)
         self._protection = FaultProtection(bindings.monitors, self._link, self._conclusions)
-        self._goals = GoalBook(goals, journal)
-        self._replanner = Replanner(planner, bindings, self._settings, horizon[1])
+        self._given = tuple(goals)
+        self._goals = GoalBook(self._given, journal)
+        self._unplanned: list[str] = []
+        self._replanner = Replanner(planner, bindings, self._settings, journal)
         self._statistics = DispatchStatistics()
         self._plans: list[AdoptedPlan] = []
         self._execution: Execution | None = None
-        self._keeper: StandbyKeeper | None = None
-        self._pending: Ready | Failed | None = None
+        self._succession: Succession | None = None
+        self._concluded_before: frozenset[str] = frozenset()
         self._outcome: Outcome | None = None
         self._fruitless = 0
-        self._begin_episode("initial")
+        self._interlude: Interlude | None = self._begin_interlude("initial")
 
     # -- the loop ------------------------------------------------------------------------------------------------------
 
@@ -78,7 +82,7 @@ class Executive:
         violations = self._identify()
         while True:
             self._recover(violations)
-            violations = self._replan() or self._dispatch()
+            violations = self._replan() or self._dispatch() or self._succeed()
             if not violations:
                 break
         self._due = self._next_due()
@@ -88,6 +92,15 @@ class Executive:
         last = min(time, self._horizon[1])
         while self._now < last:
             self.step()
+
+    def add_goal(self, goal: Goal) -> None:
+        """A goal comes in, and is known from the next step on. A goal of a known identifier changes nothing."""
+        self._begin_journal()
+        self._journal.write(self._now + 1, "goal.given", goal_to_json(goal))
+        if goal.id not in {record.id for record in self._goals.records}:
+            self._goals.add(goal)
+            self._unplanned.append(goal.id)
+            self._due = self._now + 1
 
     def finish(self) -> Outcome:
         """The run is over now: what is open is missed. Journals the outcome once."""
@@ -138,14 +151,23 @@ class Executive:
 
     # -- observe, identify, monitor ------------------------------------------------------------------------------------
 
+    def _begin_journal(self) -> None:
+        """The executive's first entry: what the run was started with."""
+        if self._begun:
+            return
+        self._begun = True
+        entry = {
+            "scenario": self._settings.scenario,
+            "seed": self._settings.seed,
+            "horizon": list(self._horizon),
+            "goals": [goal_to_json(goal) for goal in self._given],
+            "settings": settings_to_json(self._settings),
+        }
+        self._journal.write(self._horizon[0], "run.started", entry)
+
     def _observe(self) -> bool:
         """Let a second pass; keep and journal what was subscribed to. Whether there was anything."""
-        if self._now < self._horizon[0]:
-            self._journal.write(
-                self._horizon[0],
-                "run.started",
-                {"scenario": self._settings.scenario, "seed": self._settings.seed, "horizon": list(self._horizon)},
-            )
+        self._begin_journal()
         self._now += 1
         seen = self._plant.advance(self._now)
         if seen.time != self._now:
@@ -159,11 +181,12 @@ class Executive:
 
     def _identify(self) -> list[Violation]:
         """What this observation means to fault protection, to the plan in execution, and to standby."""
+        self._telemetry[NEXT_PLAN] = "none" if self._succession is None else self._succession.status(self._now)
         violations = self._protection.update(self._telemetry, self._now)
         if self._execution is not None:
             violations += self._take(self._execution.observe(self._telemetry, self._now))
-        elif self._keeper is not None:
-            lost = self._keeper.observe(self._telemetry, self._now)
+        elif self._interlude is not None:
+            lost = self._interlude.observe(self._telemetry, self._now)
             violations += [] if lost is None else [lost]
         return violations
 
@@ -176,121 +199,121 @@ class Executive:
             self._journal.write(self._now, "violation", {"kind": violation.kind, "detail": violation.detail})
             if violation.conclusion is not None:
                 self._conclusions.draw(violation.conclusion, violation.kind, self._now)
+                if violation.kind != "standby":
+                    self._conclusions.replanned(violation.conclusion, self._now)
             if self._execution is not None and violation.token is not None:
                 said = f"{violation.kind}: {violation.detail}"
                 for goal_id in self._execution.blamed(violation.token):
                     self._goals.failed(goal_id, self._now, said, self._settings.goal_attempts)
         if self._execution is not None and violations:
-            self._execution.abort(violations, self._now)
-            self._execution = None
             self._fruitless += 1
-            self._begin_episode("; ".join(f"{v.kind}: {v.detail}" for v in violations))
-        if self._execution is None and self._keeper is None:
-            self._keeper = StandbyKeeper(self._bindings, self._link, self._journal)
-            self._keeper.enter(self._reason, self._telemetry, self._now)
+            self._give_up("; ".join(violation.words for violation in violations), violations)
+        if self._interlude is not None:
+            self._interlude.enter(self._telemetry, self._now)
 
-    def _begin_episode(self, reason: str) -> None:
-        """From now until a plan is adopted."""
-        self._reason = reason
-        self._attempt = self._failures = self._mismatches = self._charged = 0
-        self._requested: int | None = None
-        excess = self._fruitless - _PROMPT_PLANS
-        self._retry_at = self._now if excess <= 0 else self._now + self._replanner.delay(excess)
+    def _give_up(self, reason: str, violations: Iterable[Violation] = ()) -> None:
+        """No plan any more: everything is stopped, and standby follows."""
+        assert self._execution is not None
+        if self._succession is not None:
+            self._succession.give_up("the plan that it was to follow has been given up", self._now)
+            self._succession = None
+        self._execution.abort(self._now, violations)
+        self._execution = None
+        self._interlude = self._begin_interlude(reason)
+
+    def _begin_interlude(self, reason: str) -> Interlude:
+        return Interlude(
+            reason,
+            self._now,
+            self._horizon[1],
+            self._fruitless - _PROMPT_PLANS,
+            self._bindings,
+            self._settings,
+            self._link,
+            self._replanner,
+            self._goals,
+            self._conclusions,
+            self._journal,
+        )
 
     def _replan(self) -> list[Violation]:
-        """In standby: request a plan when standby is reached, wait for it, and hand over to it when it is time."""
-        if self._keeper is None:
+        """In standby: seek a plan, and hand over to it when it is time."""
+        interlude = self._interlude
+        if interlude is None or (ready := interlude.pursue(self._telemetry, self._now)) is None:
             return []
-        pending = self._pending
-        if isinstance(pending, Failed) and self._now >= pending.known:
-            self._planning_failed(pending.reason)
-        elif isinstance(pending, Ready) and self._now >= pending.handover:
-            if (difference := self._difference(pending)) is None:
-                return self._adopt(pending)
-            self._state_changed(difference)
-        if self._pending is None and self._now >= self._retry_at:
-            self._keeper.resume(self._telemetry, self._now)
-            if self._keeper.is_reached(self._telemetry, self._now):
-                self._request()
+        assert interlude.requested is not None
+        plan_id = self._adopt(ready, interlude.reason, interlude.requested, interlude.attempts, interlude.charged)
+        for goal_id in ready.withheld:
+            self._goals.left_out(goal_id, f"withheld from {plan_id} after {interlude.failures} failed plannings")
+        interlude.leave(self._now)
+        self._interlude = None
+        return self._begin(plan_id, ready, None)
+
+    def _succeed(self) -> list[Violation]:
+        """While a plan executes: seek the one that follows, and join it; without one the plan ends with its horizon."""
+        if self._execution is None:
+            return []
+        self._seek()
+        succession = self._succession
+        if succession is not None and (ready := succession.plan_to_join(self._now)) is not None:
+            if self._conclusions.names == self._concluded_before:
+                before = self._execution
+                plan_id = self._adopt(
+                    ready, succession.reason, succession.requested, succession.attempts, succession.charged
+                )
+                for goal_id in ready.withheld:
+                    self._goals.left_out(goal_id, f"withheld from {plan_id} after {succession.failures} failures")
+                self._succession = None
+                return self._begin(plan_id, ready, before) or self._dispatch() or self._succeed()
+            succession.give_up("what has been concluded since was not planned for", self._now)
+        if self._execution.horizon_end <= self._now < self._horizon[1]:
+            self._achieve(self._execution.lasting_goals(self._execution.horizon_end))
+            self._give_up("the plan's horizon is over and the next plan is not there")
+            self._recover([])
         return []
 
-    def _request(self) -> None:
-        if self._replanner.is_too_late(self._now):
-            self._journal.write(self._now, "plan.failed", {"reason": "no time is left before the end of the horizon"})
-            self._retry_at = _NEVER
-            return
-        self._attempt += 1
-        self._requested = self._now if self._requested is None else self._requested
-        entry = {"reason": self._reason, "attempt": self._attempt, "budget": self._replanner.budget}
-        self._journal.write(self._now, "plan.requested", entry)
-        state = self._state()
-        if isinstance(state, str):
-            self._planning_failed(state)
-            return
-        self._pending = self._replanner.plan(self._now, state, self._goals.unfinished(), self._failures)
-        self._charged += self._pending.charged
+    def _seek(self) -> None:
+        """What came of the search for the plan that follows; a new search where one is wanted."""
+        assert self._execution is not None
+        if self._succession is not None:
+            self._succession.pursue(self._now)
+            if self._succession.is_over and self._succession.joins_at is None:
+                self._succession = None
+        elif self._unplanned and self._conclusions.names == self._concluded_before:
+            end = self._execution.horizon_end
+            known = {goal.id for goal in self._goals.unfinished(end)}
+            named = [goal_id for goal_id in self._unplanned if goal_id in known]
+            self._unplanned = []
+            if named:
+                self._follow_up(f"new goal: {', '.join(named)}", None, end)
 
-    def _planning_failed(self, reason: str) -> None:
-        self._pending = None
-        self._failures += 1
-        self._journal.write(self._now, "plan.failed", {"reason": reason})
-        self._retry_at = self._now + self._replanner.delay(self._failures)
-
-    def _state_changed(self, difference: str) -> None:
-        self._pending = None
-        self._mismatches += 1
-        self._journal.write(self._now, "plan.failed", {"reason": f"the state at hand-over differs: {difference}"})
-        excess = self._mismatches - _PROMPT_RETRIES
-        self._retry_at = self._now if excess <= 0 else self._now + self._replanner.delay(excess)
-
-    def _state(self) -> tuple[TokenPattern, ...] | str:
-        """The tokens that hold now, or why they cannot be told."""
-        try:
-            return self._bindings.state(self._telemetry, self._conclusions.names)
-        except Exception as error:  # whatever a domain's function does, the executive goes on
-            return f"the state cannot be told from telemetry: {type(error).__name__}: {error}"
-
-    def _difference(self, ready: Ready) -> str | None:
-        """What keeps a plan from being handed over; None when nothing does."""
-        assert self._keeper is not None
-        if not self._keeper.is_reached(self._telemetry, self._now):
-            return "standby is lost"
-        state = self._state()
-        if isinstance(state, str):
-            return state
-        if state == ready.state:
-            return None
-        gone = [_say(pattern) for pattern in ready.state if pattern not in state]
-        new = [_say(pattern) for pattern in state if pattern not in ready.state]
-        return f"expected {', '.join(gone) or 'nothing more'}; found {', '.join(new) or 'nothing more'}"
-
-    def _adopt(self, ready: Ready) -> list[Violation]:
-        """Hand over from standby to a plan."""
-        assert self._keeper is not None
-        assert self._requested is not None
-        plan_id = f"plan-{len(self._plans) + 1:02d}"
-        record = AdoptedPlan(
-            plan_id,
-            ready.plan,
-            self._reason,
-            self._requested,
-            self._now,
-            self._attempt,
-            self._charged,
-            ready.result.statistics,
+    def _follow_up(self, reason: str, joins_at: int | None, end: int) -> None:
+        """Begin to seek the plan that follows the one in execution."""
+        assert self._execution is not None
+        if self._succession is not None:
+            self._succession.give_up("the next horizon is planned instead", self._now)
+        self._succession = Succession(
+            self._execution, reason, joins_at, end, self._replanner, self._goals, self._journal, self._now
         )
-        self._plans.append(record)
-        entry = {"plan": plan_id, "handover": self._now, "reason": self._reason, "tokens": len(ready.plan.tokens)}
+        self._succession.pursue(self._now)
+
+    def _adopt(self, ready: Ready, reason: str, requested: int, attempts: int, charged: int) -> str:
+        """Record a plan and what it leaves out; returns its name."""
+        plan_id = f"plan-{len(self._plans) + 1:02d}"
+        statistics = ready.result.statistics
+        self._plans.append(
+            AdoptedPlan(plan_id, ready.plan, reason, requested, self._now, attempts, charged, statistics)
+        )
+        entry = {"plan": plan_id, "handover": self._now, "reason": reason, "tokens": len(ready.plan.tokens)}
         self._journal.write(self._now, "plan.adopted", entry)
-        for goal in ready.result.dropped:
-            if goal.kind == "undecided":
-                self._goals.left_out(goal.id, f"undecided: {goal.reason}")
-            else:
-                self._goals.dropped(goal.id, self._now, f"{goal.kind}: {goal.reason}")
-        for goal_id in ready.withheld:
-            self._goals.left_out(goal_id, f"withheld from {plan_id} after {self._failures} failed plannings")
-        self._keeper.leave(self._now)
-        self._keeper = self._pending = None
+        self._unplanned = [goal_id for goal_id in self._unplanned if goal_id not in ready.considered]
+        end = ready.plan.horizon[1]
+        self._goals.left(ready.result.dropped, self._now, end if end < self._horizon[1] else None)
+        return plan_id
+
+    def _begin(self, plan_id: str, ready: Ready, before: Execution | None) -> list[Violation]:
+        """Execute a plan from now on, from standby or joined to the one `before`."""
+        self._concluded_before = self._conclusions.names
         self._execution = Execution(
             plan_id,
             ready.network,
@@ -300,7 +323,7 @@ class Executive:
             self._journal,
             self._statistics,
         )
-        return self._take(self._execution.begin(self._telemetry, self._now))
+        return self._take(self._execution.begin(self._telemetry, self._now, before))
 
     # -- dispatch, command ---------------------------------------------------------------------------------------------
 
@@ -312,6 +335,11 @@ class Executive:
 
     def _take(self, happening: Happening) -> list[Violation]:
         self._achieve(happening.goals)
+        if happening.asks_for_plan and self._execution is not None and not happening.violations:
+            waypoint = self._execution.horizon_end
+            if waypoint < self._horizon[1]:
+                end = self._settings.horizon_end(waypoint, self._horizon[1])
+                self._follow_up(f"next horizon from {waypoint} s", waypoint, end)
         return list(happening.violations)
 
     def _achieve(self, goals: Iterable[str]) -> None:
@@ -324,13 +352,11 @@ class Executive:
         dues = list(self._protection.dues(self._now))
         if self._execution is not None:
             dues += self._execution.dues(self._now)
-        if self._keeper is not None:
-            dues += self._keeper.dues(self._now)
-            pending = self._pending
-            if isinstance(pending, Ready):
-                dues.append(pending.handover)
-            else:
-                dues.append(self._retry_at if pending is None else pending.known)
+            dues.append(self._execution.horizon_end)
+        if self._succession is not None:
+            dues += self._succession.dues()
+        if self._interlude is not None:
+            dues += self._interlude.dues(self._now)
         return min(dues, default=_NEVER)
 
     def _judge(self) -> Outcome:
@@ -338,11 +364,6 @@ class Executive:
         if "missed" not in statuses:
             return "degraded" if "dropped" in statuses else "completed"
         return "standby" if self._execution is None else "failed"
-
-
-def _say(pattern: TokenPattern) -> str:
-    arguments = ", ".join(f"{name}={value}" for name, value in pattern.parameters.items())
-    return f"{pattern.object or 'any'} {pattern.predicate}({arguments})"
 
 
 def _out_of_step(expected: int, found: int) -> NoReturn:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from executive.activities import RunningToken, decided
 from executive.dispatcher import Dispatcher
@@ -21,7 +22,7 @@ _NEVER = 1 << 62
 
 @dataclass(frozen=True)
 class Forecast:
-    """`state`: of the problem that begins at `handover` (seconds). `running`: by timeline, the host that will be running.
+    """`state`: of the problem that begins at `handover` (seconds). `running`: by timeline, the host running then.
 
     `over`: the hosts that will be over by then. `held`: the ends that must not come before the hand-over.
     """
@@ -52,7 +53,7 @@ class Forecaster:
         while handover < self.network.plan.horizon[1]:
             later = max((self._straddles(line, handover) for line in self._lines()), default=handover)
             if later <= handover:
-                return self._foretell(handover, lambda line, at=handover: self._place(line, at))
+                return self._foretell(handover, partial(self._place, time=handover))
             handover = later
         return "nothing is certain before the end of the plan"
 

@@ -18,6 +18,9 @@ ViolationKind = Literal[
     "early", "late", "unconfirmed", "refused", "lock", "incompatible", "fault", "dispatch", "standby"
 ]
 
+REPLAN = "replan"
+"""The response that is left when no other helped: a plan that knows of the conclusion."""
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -27,6 +30,13 @@ class Violation:
     detail: str
     token: str | None = None
     conclusion: Conclusion | None = None
+
+    @property
+    def words(self) -> str:
+        """For people: what was concluded, and from what; without a conclusion what was seen."""
+        if self.conclusion is None:
+            return f"{self.kind}: {self.detail}"
+        return f"{self.conclusion.text} ({self.kind}: {self.detail.removesuffix(f': {self.conclusion.text}')})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +92,12 @@ class Conclusions:
         fault = self._faults[place]
         self._journal.write(now, "fault.response", {"monitor": fault.monitor, "response": response})
         self._faults[place] = FaultRecord(fault.monitor, fault.detected, fault.diagnosis, (*fault.responses, response))
+
+    def replanned(self, conclusion: Conclusion, now: int) -> None:
+        """Record that the response to what was concluded is another plan, once."""
+        for place, fault in enumerate(self._faults):
+            if fault.diagnosis == conclusion.name and REPLAN not in fault.responses:
+                self.responded(place, REPLAN, now)
 
 
 class _Vigil:

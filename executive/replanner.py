@@ -10,7 +10,7 @@ import json
 from dataclasses import dataclass, replace
 
 from executive.bindings import Bindings
-from executive.errors import JournalError, RecordedFailure
+from executive.errors import JournalError, RecordedError
 from executive.inputs import Answer, answer_from_json, answer_to_json
 from executive.journal import Journal
 from executive.network import PlanNetwork, loose
@@ -41,7 +41,10 @@ class Request:
 
 @dataclass(frozen=True)
 class Ready:
-    """A plan to be handed over at `handover` if the state is then still `state`."""
+    """A plan to be handed over at `handover` if the state is then still `state`.
+
+    `considered`: the goals that were known when it was asked for.
+    """
 
     result: PlanningResult
     network: PlanNetwork
@@ -50,6 +53,7 @@ class Ready:
     handover: int
     charged: int
     withheld: tuple[str, ...]
+    considered: frozenset[str]
 
     @property
     def plan(self) -> FlexiblePlan:
@@ -97,7 +101,8 @@ class Replanner:
         judged = self._judge(result.plan, request.handover)
         if isinstance(judged, str):
             return Failed(judged, known, charged)
-        return Ready(result, *judged, request.state, request.handover, charged, withheld)
+        considered = frozenset(goal.id for goal in request.goals)
+        return Ready(result, *judged, request.state, request.handover, charged, withheld, considered)
 
     def delay(self, failures: int) -> int:
         """How long to wait after that many failures in a row."""
@@ -108,7 +113,7 @@ class Replanner:
         raised = None
         try:
             result = self._planner(problem)
-        except RecordedFailure as recorded:
+        except RecordedError as recorded:
             result, raised = PlanningResult(None), str(recorded)
         except Exception as error:  # whatever the planner does, the executive goes on
             result, raised = PlanningResult(None), f"{type(error).__name__}: {error}"

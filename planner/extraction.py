@@ -101,16 +101,27 @@ def _constraints(
             distances[one[0]] = _tighter(distances.get(one[0], (None, None)), found)
             owner_of_both = by_id[one[0]]
             stated = owner_of_both.duration.stated
-            if not owner_of_both.contingent or found == (_finite(stated.lower), _finite(stated.upper)):
+            choice = _finite(stated.lower), _finite(stated.upper)
+            if not owner_of_both.contingent or _tighter(found, choice) == choice:
                 continue
         bounds[pair] = _tighter(bounds.get(pair, (None, None)), found)
         reasons.setdefault(pair, {})[_why(database.network.stakeholder_named(owner))] = None
-    listed = tuple(
+    listed = _codesignations_off_timelines(tokens, ids) + tuple(
         PlanConstraint(*pair, *bound, "; ".join(reasons[pair]))
         for pair, bound in bounds.items()
         if bound != (None, None)
     )
     return listed, distances
+
+
+def _codesignations_off_timelines(tokens: list[Token], ids: dict[int, str]) -> tuple[PlanConstraint, ...]:
+    """Slots tell which tokens of a timeline are one; of other tokens, constraints do."""
+    return tuple(
+        PlanConstraint(f"{ids[id(host_of(t))]}.{side}", f"{ids[id(t)]}.{side}", 0, 0, "codesignated")
+        for t in tokens
+        if t.host is not None and t.kind != "timeline"
+        for side in ("start", "end")
+    )
 
 
 def _why(owner: Owner) -> str:

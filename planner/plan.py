@@ -119,10 +119,13 @@ class FlexiblePlan:
         known = {token.id for token in tokens}
         if len(known) != len(tokens):
             raise PlanFormatError("plan.tokens: two tokens have the same id")
+        for number, token in enumerate(tokens):
+            if token.master is not None and token.master not in known:
+                raise PlanFormatError(f"plan.tokens[{number}].master: {token.master!r} is not a token of the plan")
         points = {ORIGIN} | {f"{i}.{which}" for i in known for which in ("start", "end")}
         timelines = []
         for entry in reader.entries("timelines"):
-            slots = tuple(tuple(slot) for slot in entry.array("slots"))
+            slots = tuple(tuple(slot.texts()) for slot in entry.entries("slots"))
             for slot in slots:
                 if not slot or not known.issuperset(slot):
                     raise PlanFormatError(f"{entry.path}.slots: {list(slot)!r} is empty or names an unknown token")
@@ -137,7 +140,7 @@ class FlexiblePlan:
         lower, upper = reader.pair("horizon")
         if lower is None or upper is None or lower > upper:
             raise PlanFormatError(f"plan.horizon: expected [start, end] with start <= end, found {[lower, upper]!r}")
-        objects = tuple(str(o) for o in reader.array("objects"))
+        objects = tuple(_Reader(reader.array("objects"), "plan.objects").texts())
         return cls(reader.text("model"), (lower, upper), objects, tuple(timelines), tokens, tuple(constraints))
 
     def save(self, path: Path) -> None:
@@ -187,12 +190,13 @@ def _token_from_json(entry: _Reader) -> PlanToken:
     parameters = entry.value("parameters")
     if not isinstance(parameters, dict):
         raise PlanFormatError(f"{entry.path}.parameters: expected an object, found {parameters!r}")
+    place = f"{entry.path}.parameters"
     return PlanToken(
         id=entry.text("id"),
         object=entry.text("object"),
         attribute=entry.text("attribute"),
         predicate=entry.text("predicate"),
-        parameters={k: tuple(v) if isinstance(v, list) else v for k, v in parameters.items()},
+        parameters={name: _parameter(value, f"{place}.{name}") for name, value in parameters.items()},
         start=entry.pair("start"),
         end=entry.pair("end"),
         duration=entry.pair("duration"),
@@ -242,6 +246,15 @@ class _Reader:
             raise PlanFormatError(f"{self.path}.{name}: expected a list, found {value!r}")
         return value
 
+    def texts(self) -> list[str]:
+        """This very value as a list of texts."""
+        if not isinstance(self.content, list):
+            raise PlanFormatError(f"{self.path}: expected a list, found {self.content!r}")
+        for number, entry in enumerate(self.content):
+            if not isinstance(entry, str):
+                raise PlanFormatError(f"{self.path}[{number}]: expected text, found {entry!r}")
+        return self.content
+
     def entries(self, name: str) -> list[_Reader]:
         return [_Reader(entry, f"{self.path}.{name}[{i}]") for i, entry in enumerate(self.array(name))]
 
@@ -253,6 +266,30 @@ class _Reader:
         if len(value) != 2:
             raise PlanFormatError(f"{self.path}.{name}: expected [lower, upper], found {value!r}")
         return _bound(value[0], f"{self.path}.{name}[0]"), _bound(value[1], f"{self.path}.{name}[1]")
+
+
+def _parameter(value: object, path: str) -> ParameterValue:
+    if isinstance(value, list):
+        return tuple(_scalar(entry, f"{path}[{number}]") for number, entry in enumerate(value))
+    if isinstance(value, dict):
+        for name in ("min", "max"):
+            _Reader(value, path).value(name)
+        if len(value) > 2:
+            raise PlanFormatError(f"{path}: expected the fields 'min' and 'max', found {list(value)!r}")
+        return {name: None if end is None else _number(end, f"{path}.{name}") for name, end in value.items()}
+    return _scalar(value, path)
+
+
+def _scalar(value: object, path: str) -> Value:
+    if isinstance(value, bool | int | float | str):
+        return value
+    raise PlanFormatError(f"{path}: expected a value (number, text, true or false), found {value!r}")
+
+
+def _number(value: object, path: str) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return value
+    raise PlanFormatError(f"{path}: expected a number or null, found {value!r}")
 
 
 def _bound(value: object, path: str) -> Bound:

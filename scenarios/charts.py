@@ -15,6 +15,7 @@ WIDTH = 1000
 _LEFT, _RIGHT = 8, 12
 _LETTER = 5.7  # mean width of a letter of 10 units height
 _NAME, _THIN, _THICK, _GAP = 15, 8, 20, 9
+_MARKS = 44.0  # height of the words above the lanes
 _LINES = ("#2563a8", "#c2571a", "#1f8a5b", "#8a3fb0")
 _POINTS = 500
 _STEPS_S = (60, 300, 600, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800, 2_592_000)
@@ -49,13 +50,13 @@ def timeline(story: RunStory) -> str:
     """All lanes under the plans in force, with the faults and changes of plan across them."""
     axis, palette = Axis(*story.horizon), Palette()
     parts: list[str] = []
-    y = 34.0
+    y = _MARKS
     parts += _phases(story, axis, y)
     y += _THICK + _GAP
     for lane in story.lanes:
         parts += _lane(lane, axis, palette, y)
         y += _NAME + 2 * _THIN + _THICK + _GAP
-    return _svg(y + 18, [*axis.grid(28, y), *parts, *_marks(story, axis, y)], "plan against execution")
+    return _svg(y + 18, [*axis.grid(_MARKS - 4, y), *parts, *_marks(story, axis, y)], "plan against execution")
 
 
 def _phases(story: RunStory, axis: Axis, y: float) -> Iterator[str]:
@@ -97,12 +98,8 @@ def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
         x, text = axis.x(entry["t"]), words(entry)
         if style == "plan" and entry["reason"] == "initial":
             continue
-        row, anchor = {"fault": (10, "end"), "seen": (10, "start"), "plan": (22, "start")}[style]
-        if x < 150:
-            anchor = "start"
-        elif x > WIDTH - 250:
-            anchor = "end"
-        offset = 3 if anchor == "start" else -3
+        row = {"fault": 10, "seen": 22, "plan": 34}[style]
+        anchor, offset = ("start", 3) if x < 0.6 * WIDTH else ("end", -3)
         yield f'<line class="{style}" x1="{x}" y1="2" x2="{x}" y2="{bottom}"/>'
         yield f'<text class="{style}" x="{x + offset}" y="{row}" text-anchor="{anchor}">{escape(text)}</text>'
 
@@ -121,14 +118,22 @@ def plot(panel: Plot, title: str, story: RunStory) -> str:
         return round(bottom - (value - low) / (high - low) * (bottom - top), 1)
 
     parts = [*axis.grid(top, bottom)]
-    for value in (low, (low + high) / 2, high):
-        parts.append(f'<line class="grid" x1="{_LEFT}" y1="{y(value)}" x2="{WIDTH - _RIGHT}" y2="{y(value)}"/>')
-        parts.append(f'<text class="tick" x="{_LEFT + 2}" y="{y(value) - 3 + (value == high) * 13}">{value:.4g}</text>')
     for column in range(len(panel.rows[0][1])):
-        colour = _LINES[column % len(_LINES)]
+        colour = line_colour(column)
         points = " ".join(f"{axis.x(t)},{y(v)}" for t, v in _thinned([(t, row[column]) for t, row in panel.rows]))
         parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
+    for value in _round_values(low, high):
+        parts.append(f'<line class="grid" x1="{_LEFT}" y1="{y(value)}" x2="{WIDTH - _RIGHT}" y2="{y(value)}"/>')
+        parts.append(f'<text class="tick" x="{_LEFT + 2}" y="{y(value) + 3}">{value:g}</text>')
     return _svg(bottom + 18, parts, title)
+
+
+def _round_values(low: float, high: float) -> Iterator[float]:
+    """Two to five round numbers in between."""
+    decade = 10.0 ** math.floor(math.log10(high - low))
+    step = next(s * decade for s in (0.2, 0.5, 1.0, 2.0, 5.0) if (high - low) / (s * decade) <= 4.5)
+    for number in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1):
+        yield round(number * step, 9)
 
 
 def line_colour(column: int) -> str:

@@ -77,8 +77,8 @@ def run_scenario(
         list[str] | None,
         typer.Option(
             metavar="NAME[@TIME]",
-            help="Inject this fault instead of the scenario's own; can be repeated. TIME: seconds or 3h20m; without it, "
-            "the time that the scenario gives.",
+            help="Inject this fault instead of the scenario's own; can be repeated. TIME: seconds or 3h20m; without "
+            "it, the time that the scenario gives.",
         ),
     ] = None,
     no_faults: Annotated[bool, typer.Option("--no-faults", help="Inject no fault.")] = False,

@@ -40,8 +40,8 @@ def _lines(summary: dict[str, Any], folder: Path) -> Iterator[str]:
     for plan in summary["plans"]:
         start, end = plan["horizon"]
         yield (
-            f"{plan['id']}: {clock(start)} to {clock(end)}, {plan['tokens']} tokens, {plan['constraints']} constraints, "
-            f"planned in {plan['solve_seconds']:.2f} s; why: {plan['reason']}"
+            f"{plan['id']}: {clock(start)} to {clock(end)}, {plan['tokens']} tokens, {plan['constraints']} "
+            f"constraints, planned in {plan['solve_seconds']:.2f} s; why: {plan['reason']}"
         )
     for fault in summary["faults"]:
         yield f"fault {fault_line(fault)}"
@@ -50,7 +50,8 @@ def _lines(summary: dict[str, Any], folder: Path) -> Iterator[str]:
     for violation in rules["violations"]:
         yield f"  {violation['rule']} from {clock(violation['start'])} to {clock(violation['end'])}"
     speed = summary["sim"]["realtime_factor"]
-    yield f"{clock(summary['sim']['sim_seconds'])} flown in {summary['wall_seconds']:.1f} s, {speed:.0f} times real time"
+    flown, wall = clock(summary["sim"]["sim_seconds"]), summary["wall_seconds"]
+    yield f"{flown} flown in {wall:.1f} s, {speed:.0f} times real time"
     for what, name in (("recording", RECORDING), ("report", REPORT), ("summary", SUMMARY)):
         yield f"{what:9} {folder / name}"
 

@@ -36,22 +36,16 @@ def new_folder(wanted: Path | None, name: str) -> Path:
     raise ScenarioError(f"runs/{name}: a thousand runs are there already; give --out")
 
 
-class OverheardStream(io.TextIOBase):
-    """A journal's file that tells each entry to a listener once it is written and flushed."""
+class OverheardStream(io.TextIOWrapper):
+    """A journal's new file that tells each entry to a listener once it is written and flushed."""
 
     def __init__(self, path: Path, listener: Callable[[dict[str, Any]], None]) -> None:
-        super().__init__()
-        self._file = path.open("x", encoding="utf-8", newline="\n")
+        super().__init__(path.open("xb"), encoding="utf-8", newline="\n")
         self._listener = listener
 
     def write(self, line: str, /) -> int:
         """Write one line, flush it, tell it."""
-        count = self._file.write(line)
-        self._file.flush()
+        count = super().write(line)
+        self.flush()
         self._listener(json.loads(line))
         return count
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()

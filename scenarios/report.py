@@ -5,15 +5,17 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from scenarios import charts
 from scenarios.errors import ScenarioError
 from scenarios.folder import RECORDING, REPORT
+from scenarios.observer import CHANNELS
 from scenarios.recording import story as words
 from scenarios.recording.reading import Picture, Readings, read
+from scenarios.recording.telemetry import panels_of
+from scenarios.report_style import STYLE
 from scenarios.run_story import RunStory
 from scenarios.times import clock
 
@@ -51,11 +53,10 @@ def page_of(story: RunStory, readings: Readings) -> str:
         _section("Images", _images(readings.pictures)),
         _section("What happened", _events(story)),
     ]
-    style = files("scenarios").joinpath("report.css").read_text(encoding="utf-8")
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{style}</style></head><body>\n" + "\n".join(body) + "\n</body></html>\n"
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body>\n" + "\n".join(body) + "\n</body></html>\n"
     )
 
 
@@ -127,8 +128,9 @@ def _flight_rules(story: RunStory) -> str:
 
 
 def _plots(story: RunStory, readings: Readings) -> Iterator[str]:
+    titles = {panel.path: panel.title for panel in panels_of(CHANNELS)}
     for path, panel in readings.plots.items():
-        title = path.rpartition("/")[2].replace("_", " ")
+        title = titles.get(path) or path.rpartition("/")[2].replace("_", " ")
         drawing = charts.plot(panel, title, story) if panel.rows else ""
         if drawing:
             names = panel.names if len(panel.names) > 1 else ()

@@ -1,4 +1,4 @@
-"""A run folder read back: what was planned, what was done, and when what went wrong. Journal, plans and summary only."""
+"""A run folder read back: what was planned, what was done, what went wrong. From journal, plans, summary."""
 
 from __future__ import annotations
 

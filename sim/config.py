@@ -12,6 +12,7 @@ from sim.errors import ConfigurationError
 from sim.quaternion import Vector, dot
 
 TARGET_KINDS = ("earth", "thrust", "asteroid")
+ATTITUDE_SOURCES = ("estimator", "truth")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,34 @@ class SpacecraftConfig:
     wheel_torque_limit_Nm: float = 0.2
     wheel_speed_limit_rad_s: float = 628.0
     wheel_initial_speed_rad_s: float = 100.0
+    # bearings: viscous (N m s) and dry (N m) friction, and the share of it that the drives leave (assumptions)
+    wheel_viscous_Nms: float = 4.0e-6
+    wheel_dry_Nm: float = 5.0e-4
+    wheel_friction_left: float = 0.1
+    # hydrazine thrusters (assumptions: lever arm, minimum opening; force and mass of the flight's class)
+    thruster_N: float = 0.9
+    thruster_lever_m: float = 0.5
+    thruster_minimum_s: float = 0.005
+    thruster_specific_impulse_s: float = 220.0
+    hydrazine_kg: float = 31.1
+    unload_Nm: float = 0.05
+    unloaded_Nms: float = 0.3
+    # sunlight: pressure at 1 AU, area, and where it acts from the centre of mass (assumptions but the pressure)
+    solar_pressure_1au_Pa: float = 4.56e-6
+    sunlit_area_m2: float = 26.0
+    pressure_centre_B_m: Vector = (0.0, 0.02, -0.05)
+    # attitude sensors (assumptions of a class: gyro of 0.2 arcsec/s^1/2, tracker of 2 and 12 arcsec, 0.1 deg Sun sensors)
+    attitude_source: str = "estimator"
+    gyro_angle_walk_rad_rs: float = 1.0e-6
+    gyro_rate_noise_rad_s: float = 2.0e-6
+    gyro_bias_rad_s: float = 5.0e-6
+    gyro_bias_walk_rad_s_rs: float = 1.0e-10
+    tracker_noise_rad: tuple[float, float, float] = (6.0e-5, 1.0e-5, 1.0e-5)
+    tracker_rate_limit_rad_s: float = math.radians(0.07)
+    tracker_sun_exclusion_rad: float = math.radians(30.0)
+    sun_sensor_noise_rad: float = math.radians(0.1)
+    initial_attitude_error_rad: float = 1.0e-5
+    initial_bias_error_rad_s: float = 1.0e-7
     # power: 2,500 W at 1 AU and normal incidence
     array_power_1au_W: float = 2500.0
     base_load_W: float = 350.0
@@ -103,6 +132,7 @@ class SpacecraftConfig:
             if isinstance(value, float | int) and not (math.isfinite(value) and value >= 0):
                 raise ConfigurationError(f"{field.name}: expected a finite number of at least 0, found {value}")
         self._check_spans()
+        self._check_sensors()
         self._check_steps()
         self._check_targets()
 
@@ -124,6 +154,18 @@ class SpacecraftConfig:
         for name in positive:
             if getattr(self, name) == 0.0:
                 raise ConfigurationError(f"{name}: expected more than 0, found 0")
+
+    def _check_sensors(self) -> None:
+        if self.attitude_source not in ATTITUDE_SOURCES:
+            expected = " or ".join(ATTITUDE_SOURCES)
+            raise ConfigurationError(f"attitude_source: expected {expected}, found {self.attitude_source!r}")
+        if len(self.tracker_noise_rad) != 3 or not all(0.0 < noise < 0.1 for noise in self.tracker_noise_rad):
+            raise ConfigurationError(
+                f"tracker_noise_rad: expected three numbers over 0 and under 0.1, found {self.tracker_noise_rad}"
+            )
+        for name in ("gyro_angle_walk_rad_rs", "sun_sensor_noise_rad"):
+            if getattr(self, name) == 0.0:
+                raise ConfigurationError(f"{name}: expected more than 0, found 0: the filter divides by it")
 
     def _check_steps(self) -> None:
         if self.control_period_s < 1:

@@ -4,14 +4,15 @@ Integration is RK4, which keeps angular momentum to about 1e-10 of its size over
 Euler and implicit integrators lose it within the hour. MuJoCo's habit of resetting an unstable state in silence is off
 in the model, and its warning counters are read after every advance: a broken state is a `SimulationError`.
 
-What Python does between two steps costs as much as the steps, so the state leaves MuJoCo as lists of floats and the
-controls return in one slice assignment.
+What Python does between two steps costs as much as the steps, so the flight loop reads and writes MuJoCo's own arrays
+(`drive_views`) in compiled code; everybody else gets copies.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NoReturn
 
 import mujoco
 
@@ -38,7 +39,6 @@ _WARNINGS = (
     "bad acceleration",
     "bad control",
 )
-_NO_WARNINGS = [0] * len(_WARNINGS)
 _BAD_ACCELERATION, _BAD_CONTROL = 5, 6
 # The bus has six degrees of freedom, every other joint one.
 _DOF_OWNER = ("bus",) * 6 + JOINTS[1:]
@@ -47,7 +47,7 @@ XENON_TANK_RADIUS_M = 0.3
 
 
 class Physics:
-    """Integrates the spacecraft. `qpos` (13) and `qvel` (12) are plain lists, as of the last advance."""
+    """Integrates the spacecraft. `qpos` (13) and `qvel` (12) come as plain lists."""
 
     def __init__(self, assembly: Assembly, attitude_IB: Quaternion, wheel_speeds_rad_s: Sequence[float]) -> None:
         self._assembly = assembly
@@ -57,14 +57,39 @@ class Physics:
         self._bus_inertia_kg_m2 = assembly.model.body_inertia[assembly.bus_body].copy()
         self._data.qpos[QPOS_ATTITUDE] = attitude_IB
         self._data.qvel[QVEL_WHEELS] = wheel_speeds_rad_s
-        self._qpos_view, self._qvel_view, self._ctrl_view = self._data.qpos, self._data.qvel, self._data.ctrl
+        self.qpos_view, self.qvel_view, self._ctrl_view = self._data.qpos, self._data.qvel, self._data.ctrl
         self._warnings_view = self._data.warning.number
-        self._force_view = self._data.qfrc_applied[0:3]
-        self.qpos: list[float] = self._qpos_view.tolist()
-        self.qvel: list[float] = self._qvel_view.tolist()
+        self._force_view = self._data.qfrc_applied[0:6]
+        self._qpos_before, self._qvel_before = self.qpos_view.copy(), self.qvel_view.copy()
+        self._time_before = 0.0
+        self.drive_views = (
+            self.qpos_view,
+            self.qvel_view,
+            self._ctrl_view,
+            self._force_view,
+            self._qpos_before,
+            self._qvel_before,
+        )
 
     def __repr__(self) -> str:
         return f"Physics(time_s={self._data.time})"
+
+    @property
+    def qpos(self) -> list[float]:
+        """Positions as of the last step (13)."""
+        values: list[float] = self.qpos_view.tolist()
+        return values
+
+    @property
+    def qvel(self) -> list[float]:
+        """Speeds as of the last step (12)."""
+        values: list[float] = self.qvel_view.tolist()
+        return values
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since the start."""
+        return float(self._data.time)
 
     @property
     def attitude_IB(self) -> Quaternion:
@@ -100,18 +125,15 @@ class Physics:
 
     def place_wings(self, angle_rad: float) -> None:
         """Set both wings at rest at an angle: for the start of a run only, motion has to come from the drives."""
-        self._qpos_view[QPOS_WINGS] = angle_rad
-        self._qvel_view[QVEL_WINGS] = 0.0
-        self.qpos = self._qpos_view.tolist()
-        self.qvel = self._qvel_view.tolist()
+        self.qpos_view[QPOS_WINGS] = angle_rad
+        self.qvel_view[QVEL_WINGS] = 0.0
 
     def set_rate(self, rate_B: Vector) -> None:
         """Set the bus's angular rate (rad/s, body axes): for the start of a run only."""
-        self._qvel_view[QVEL_RATE] = rate_B
-        self.qvel = self._qvel_view.tolist()
+        self.qvel_view[QVEL_RATE] = rate_B
 
     def set_xenon_used(self, used_kg: float) -> None:
-        """Take `used_kg` of xenon out of the tank at the centre of mass: mass and inertia of the bus fall."""
+        """Take `used_kg` of propellant out of the tank at the centre of mass: mass and inertia of the bus fall."""
         body = self._assembly.bus_body
         self._model.body_mass[body] = self._bus_mass_kg - used_kg
         self._model.body_subtreemass[body] = self._assembly.total_mass_kg - used_kg
@@ -124,15 +146,24 @@ class Physics:
         Raises `SimulationError` with the component and the time when the state is not finite or MuJoCo warns.
         """
         self._ctrl_view[:] = controls
-        self._force_view[:] = force_I
+        self._force_view[:3] = force_I
         if not math.isfinite(sum(controls) + sum(force_I)):
             self._refuse(controls)
-        qpos, qvel_before, time_s = self.qpos, self.qvel, self._data.time
+        self._qpos_before[:] = self.qpos_view
+        self._qvel_before[:] = self.qvel_view
+        self.step(steps)
+        if not math.isfinite(sum(self.qvel)):
+            self.explain()
+
+    def step(self, steps: int) -> None:
+        """Take `steps` steps under what lies in `drive_views`, which hold the state before as well.
+
+        Raises `SimulationError` when MuJoCo warns; whether the state is finite the caller has to see, and to `explain`.
+        """
+        self._time_before = self._data.time
         mujoco.mj_step(self._model, self._data, nstep=steps)
-        self.qpos = self._qpos_view.tolist()
-        self.qvel = qvel = self._qvel_view.tolist()
-        if not math.isfinite(sum(qvel)) or self._warnings_view.tolist() != _NO_WARNINGS:
-            self._explain(qpos, qvel_before, time_s)
+        if self._warnings_view.any():
+            self.explain()
 
     def angular_momentum_I(self) -> Vector:
         """Angular momentum of spacecraft and wheels about the centre of mass, inertial axes, N m s."""
@@ -156,11 +187,11 @@ class Physics:
                 raise SimulationError(owner, float(self._data.time), f"expected a finite command, found {value}")
         raise SimulationError("ips", float(self._data.time), "expected a finite thrust")
 
-    def _explain(self, qpos: list[float], qvel: list[float], time_s: float) -> None:
-        """Step again, one at a time, from where the state was sound: the first step that warns knows the cause."""
+    def explain(self) -> NoReturn:
+        """Raise what broke: step again, one at a time, from the sound state; the first step that warns knows the cause."""
         again = mujoco.MjData(self._model)
-        again.qpos[:], again.qvel[:], again.time = qpos, qvel, time_s
-        again.ctrl[:], again.qfrc_applied[0:3] = self._ctrl_view, self._force_view
+        again.qpos[:], again.qvel[:], again.time = self._qpos_before, self._qvel_before, self._time_before
+        again.ctrl[:], again.qfrc_applied[0:6] = self._ctrl_view, self._force_view
         while not again.warning.number.any() and again.time < self._data.time:
             mujoco.mj_step(self._model, again)
         numbers = again.warning.number.tolist()

@@ -1,14 +1,15 @@
 """Reusable resources: no schedule that the plan allows uses more than there is.
 
-Tokens exceed a resource when their quantities together do and one schedule lets them all overlap. Pairs that no
-schedule lets overlap are sorted out first (by bounds, then by the network); then sets of tokens are searched, heaviest
-first, and a set that is too heavy counts only if the network has a schedule with all of it at one time.
+Tokens exceed a resource when their quantities together do and one schedule lets them all overlap. Looking at pairs is
+enough: if every pair of them overlaps in some schedule, all do in one. For all to overlap means `start_i < end_j` for
+all i and j. A negative cycle would alternate these edges, of weight -1, with paths from a start to an end, each of
+which is at least 1 because no such pair is entailed to be apart; so there is none. Pairs that no schedule lets overlap
+are sorted out first (by bounds, then by the network); then sets of tokens are searched, heaviest first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def check_resources(view: View) -> Iterator[Violation]:
 
 
 def _check(network: PlanNetwork, name: str, capacity: float, users: list[tuple[Slot, float]]) -> Iterator[Violation]:
-    users = sorted(((s, q) for s, q in users if q > 0), key=lambda u: -u[1])
+    users = sorted(((s, q) for s, q in users if q > 0 and _lasts(network, s)), key=lambda u: -u[1])
     if sum(q for _, q in users) <= capacity:
         return
     search = _Search(network, capacity, users)
@@ -50,6 +51,11 @@ def _check(network: PlanNetwork, name: str, capacity: float, users: list[tuple[S
         used = ", ".join(f"{told(s.host)} {q:g}" for s, q in found)
         text = f"{name} has {capacity:g}, a schedule uses {sum(q for _, q in found):g} at once: {used}"
         yield Violation("resource", text, tuple(s.id for s, _ in found), (name,))
+
+
+def _lasts(network: PlanNetwork, slot: Slot) -> bool:
+    """Whether a use takes any time in some schedule."""
+    return not network.at_most(network.point(slot.id, "start"), network.point(slot.id, "end"), 0)
 
 
 class _Search:
@@ -76,7 +82,7 @@ class _Search:
         if self.sets > MOST_SETS:
             return []
         if level > self.capacity:
-            return chosen if self._together(chosen) else []
+            return chosen
         available = sum(self.users[i][1] for i in rest)
         for number, user in enumerate(rest):
             if level + available <= self.capacity:
@@ -98,17 +104,3 @@ class _Search:
             at_most, starts, ends = self.network.at_most, self.starts, self.ends
             self.apart[key] = at_most(starts[b], ends[a], 0) or at_most(starts[a], ends[b], 0)
         return not self.apart[key]
-
-    def _together(self, chosen: Sequence[int]) -> bool:
-        """Whether one schedule lets all of these overlap: each starts at least a tick before every other one ends."""
-        points = [p for i in chosen for p in (self.starts[i], self.ends[i])]
-        place = {p: n for n, p in enumerate(dict.fromkeys(points))}
-        far = [[self.network.distance(a, b) for b in place] for a in place]
-        for i, j in product(chosen, repeat=2):
-            if i != j:
-                a, b = place[self.ends[j]], place[self.starts[i]]
-                far[a][b] = min(far[a][b], -1)
-        size = len(far)
-        for middle, a, b in product(range(size), repeat=3):
-            far[a][b] = min(far[a][b], far[a][middle] + far[middle][b])
-        return all(far[a][a] >= 0 for a in range(size))

@@ -76,10 +76,11 @@ class TimeVariable:
 class DurationVariable:
     """The distance from one timepoint to another as a variable: what is stated of it, within the bounds of both ends.
 
-    `latest`: the index of the latest change of `stated` in the log, or -1.
+    Of a duration that nature decides (`by_nature`) only what is stated counts: what the network wants of it is no
+    reason for nature. `latest`: the index of the latest change of `stated` in the log, or -1.
     """
 
-    __slots__ = ("end", "latest", "name", "owner", "start", "stated", "watchers")
+    __slots__ = ("by_nature", "end", "latest", "name", "owner", "start", "stated", "watchers")
 
     def __init__(self, name: str, start: TimeVariable, end: TimeVariable, stated: Interval, owner: Owner) -> None:
         self.name = name
@@ -89,10 +90,13 @@ class DurationVariable:
         self.owner = owner
         self.watchers: list[Propagator] = []
         self.latest = -1
+        self.by_nature = False
 
     @property
     def domain(self) -> Domain:
-        """What the constraints on the distance and the bounds of both ends leave."""
+        """What the constraints on the distance and, but for nature's choice, the bounds of both ends leave."""
+        if self.by_nature:
+            return self.stated
         start, end = self.start.domain, self.end.domain
         return self.stated.bounded(end.lower - start.upper, end.upper - start.lower)
 

@@ -30,6 +30,7 @@ from planner.domains import Domain
 from planner.errors import ModelError, nearest
 from planner.model.classes import ModelObject, Parameter, Type
 from planner.model.manager import STATE, ModelManager
+from planner.model.relations import distances
 from planner.model.rules import (
     Apply,
     Constant,
@@ -226,6 +227,7 @@ class RuleBuilder:
         """A token of the target predicate stands in a temporal relation to this one; parameters equal those given."""
         name = f"{self._prefix}{target.name}{len(self._statements)}"
         pairs = _pairs(bounds)
+        distances(relation, pairs)  # says now, rather than when the model is finished, what is wrong with them
         self._statements.append(Subgoal(relation, (target.cls, target.name), name, target.target, pairs))
         token = TokenBuilder(self._manager, target, name)
         for parameter, value in equal.items():

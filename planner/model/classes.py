@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -30,7 +29,8 @@ class Predicate:
     """A value pattern of an attribute. `body`: its parameter constraints, which hold for every token of it.
 
     `duration`: bounds in ticks. `contingent`: nature decides the duration, within its bounds. `exogenous`: no plan can
-    bring it about; it holds where the problem says so, and other tokens may only be codesignated with it.
+    bring it about; it holds where the problem says so, and other tokens may only be codesignated with it. `solitary`:
+    no two tokens of it are ever codesignated: each use of a resource is one of its own.
     """
 
     cls: str
@@ -41,6 +41,7 @@ class Predicate:
     duration: tuple[float, float] = (1, float("inf"))
     contingent: bool = False
     exogenous: bool = False
+    solitary: bool = False
 
     @property
     def full_name(self) -> str:
@@ -70,11 +71,15 @@ class ModelClass:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ModelObject:
-    """An instance of a model class. `members`: a value, another object, or a domain of which one value holds."""
+    """An instance of a model class. `members`: a value, another object, or a domain of which one value holds.
+
+    `parent`: the object that it is part of, or None.
+    """
 
     name: str
     cls: str
-    members: Mapping[str, Any] = field(default_factory=dict)
+    members: dict[str, Any] = field(default_factory=dict)
+    parent: ModelObject | None = None
 
     def __repr__(self) -> str:
         return self.name

@@ -13,7 +13,7 @@ from planner.errors import ModelError, nearest
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
 from planner.model.relations import distances
 from planner.model.resources import add_resource_predicates, resource_classes
-from planner.model.rules import Guard, OneOf, Relate, Require, Rule, Statement, Subgoal
+from planner.model.rules import ForEach, Guard, OneOf, Relate, Require, Rule, Statement, Subgoal
 
 BASIC: dict[str, Domain] = {
     "int": Interval(-math.inf, math.inf),
@@ -83,6 +83,7 @@ class ModelManager:
         duration: tuple[float, float] = (1, math.inf),
         contingent: bool = False,
         exogenous: bool = False,
+        solitary: bool = False,
     ) -> Predicate:
         """Add a value pattern to an attribute of a class (an attribute not declared is an unordered one)."""
         owner = self.class_named(cls)
@@ -95,7 +96,7 @@ class ModelManager:
         if contingent and math.isinf(duration[1]):
             raise ModelError(f"{cls}.{name}: a contingent duration needs a finite maximum")
         owner.predicates[name] = Predicate(
-            cls, name, attribute, tuple(parameters), tuple(body), duration, contingent, exogenous
+            cls, name, attribute, tuple(parameters), tuple(body), duration, contingent, exogenous, solitary
         )
         return owner.predicates[name]
 
@@ -113,8 +114,10 @@ class ModelManager:
             raise ModelError(f"class {cls} declares no predicate named {name!r}")
         self.class_named(cls).predicates[name] = replace(declared, body=(*declared.body, *body))
 
-    def add_object(self, name: str, cls: str, members: Mapping[str, Any] | None = None) -> ModelObject:
-        """Add an instance of a class, with values for its members."""
+    def add_object(
+        self, name: str, cls: str, members: Mapping[str, Any] | None = None, parent: ModelObject | None = None
+    ) -> ModelObject:
+        """Add an instance of a class, with values for its members. `parent`: the object that it is part of."""
         self.class_named(cls)
         if name in self.objects:
             raise ModelError(f"object {name!r} is declared twice")
@@ -122,10 +125,19 @@ class ModelManager:
         for member in members or {}:
             if member not in known:
                 raise ModelError(f"object {name}: class {cls} has no member {member!r}{nearest(member, known)}")
-        self.objects[name] = ModelObject(name, cls, dict(members or {}))
+        self.objects[name] = ModelObject(name, cls, dict(members or {}), parent)
         self._object_universe.add(self.objects[name])
         self._instances.clear()
         return self.objects[name]
+
+    def set_member(self, thing: ModelObject, member: str, value: Any) -> None:
+        """Give a member of an object its value, before the creation of objects ends."""
+        known = self.members_of(thing.cls)
+        if member not in known:
+            raise ModelError(f"object {thing}: class {thing.cls} has no member {member!r}{nearest(member, known)}")
+        if self.is_closed:
+            raise ModelError(f"object {thing}: member {member!r} is set after the creation of objects has ended")
+        self.objects[thing.name].members[member] = value
 
     def close(self) -> None:
         """End the creation of objects: from here on object variables range over those there are.
@@ -275,6 +287,8 @@ class ModelManager:
                 raise ModelError(f"{where}: {error}") from None
             if isinstance(statement, Guard):
                 self._check_statements((*statement.then, *statement.otherwise), where)
+            elif isinstance(statement, ForEach):
+                self._check_statements(statement.body, where)
             elif isinstance(statement, OneOf):
                 self._check_statements([s for branch in statement.branches for s in branch], where)
 

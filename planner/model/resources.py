@@ -76,6 +76,6 @@ def add_resource_predicates(model: ModelManager) -> None:
     quantity = Parameter("quantity", Interval(0, math.inf, integer=False))
     model.add_predicate("Reusable", "uses", (quantity,), attribute=LEVEL)
     model.add_predicate("Unary", "use", (), attribute=LEVEL)
-    model.add_predicate("UnaryResource", "uses", ())
+    model.add_predicate("UnaryResource", "uses", (), solitary=True)
     for name in ("produce", "consume"):
         model.add_predicate("Reservoir", name, (quantity,), attribute=LEVEL, duration=(0, 0))

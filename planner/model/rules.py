@@ -83,10 +83,14 @@ class Require:
 
 @dataclass(frozen=True, slots=True)
 class Local:
-    """A local variable: of a named type or a domain. An object variable ranges over all instances of its class."""
+    """A local variable: of a named type or a domain. An object variable ranges over all instances of its class.
+
+    `decide`: a complete plan must bind it; not so for the result of a function, which follows from its arguments.
+    """
 
     name: str
     type: str | Domain
+    decide: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,19 @@ class OneOf:
     branches: tuple[tuple[Statement, ...], ...]
 
 
-Statement = Subgoal | Relate | Require | Local | Guard | OneOf
+@dataclass(frozen=True, slots=True)
+class ForEach:
+    """`body` applies once for each object that an object variable has left when the statement is carried out.
+
+    `name`: by which the body knows the object.
+    """
+
+    name: str
+    over: Ref
+    body: tuple[Statement, ...]
+
+
+Statement = Subgoal | Relate | Require | Local | Guard | OneOf | ForEach
 
 
 @dataclass(frozen=True, slots=True)

@@ -178,7 +178,7 @@ def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Tok
 
 
 def _rank(token: Token, decisions: int, earliest: int) -> Rank:
-    if token.role in GIVEN:
+    if token.role in GIVEN or token.must_host:
         return (-3, 0, 0, token.id)
     if decisions < 2:
         return (decisions - 2, 0, earliest, token.id)

@@ -12,7 +12,7 @@ from planner.constraints.network import (
     Owner,
     TimeVariable,
 )
-from planner.domains import Universe, singleton
+from planner.domains import Interval, Universe, singleton
 from planner.errors import ModelError
 from planner.model.classes import ModelObject, objects_in
 from planner.model.relations import Distance, distances
@@ -20,6 +20,7 @@ from planner.model.rules import (
     Apply,
     Constant,
     Expression,
+    ForEach,
     Guard,
     Local,
     OneOf,
@@ -38,11 +39,12 @@ Named = Token | AnyVariable | ModelObject
 
 
 class RuleInstance:
-    """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people."""
+    """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people;
+    it is made text only when somebody asks."""
 
     __slots__ = ("label", "names", "parent", "token")
 
-    def __init__(self, label: str, token: Token | None, parent: RuleInstance | None = None) -> None:
+    def __init__(self, label: object, token: Token | None, parent: RuleInstance | None = None) -> None:
         self.label = label
         self.token = token
         self.parent = parent
@@ -58,13 +60,38 @@ class RuleInstance:
         return self.token.variable(name) if self.token is not None else None
 
     def __repr__(self) -> str:
-        return f"{self.label} of {self.token.name}" if self.token is not None else self.label
+        return f"{self.label} of {self.token.name}" if self.token is not None else str(self.label)
+
+
+class ForEachInstance:
+    """A loop that waits in the queue until what was posted before it has been propagated, then runs once."""
+
+    __slots__ = ("done", "instance", "loop", "manager", "owner", "queued", "scope")
+
+    def __init__(self, manager: TokenNetworkManager, loop: ForEach, over: AnyVariable, instance: RuleInstance) -> None:
+        self.manager = manager
+        self.loop = loop
+        self.scope: tuple[AnyVariable, ...] = (over,)
+        self.instance = instance
+        self.owner: Owner = instance
+        self.queued = False
+        self.done = False
+
+    def run(self, network: ConstraintNetworkManager) -> None:
+        """Apply the body for every object that is left."""
+        if self.done:
+            return
+        network.trail.assign(self, "done", True)
+        for thing in objects_in(self.scope[0].domain):
+            body = RuleInstance(self.instance.label, self.instance.token, self.instance)
+            body.names[self.loop.name] = thing
+            self.manager.carry_out(self.loop.body, body)
 
 
 class GuardInstance:
     """A guard on watch: acts once when its test is decided."""
 
-    __slots__ = ("fired", "guard", "instance", "manager", "owner", "queued", "scope", "test")
+    __slots__ = ("deciding", "fired", "guard", "instance", "manager", "owner", "queued", "scope", "test")
 
     def __init__(
         self, manager: TokenNetworkManager, guard: Guard, scope: Sequence[AnyVariable], instance: RuleInstance
@@ -77,6 +104,10 @@ class GuardInstance:
         self.queued = False
         self.fired = False
         self.test = manager.model.procedures.get(guard.test)
+        # A set that the test names is no variable: nobody decides it.
+        self.deciding = [
+            n for n, a in enumerate(guard.arguments) if not (isinstance(a, Constant) and a.domain is not None)
+        ] or list(range(len(scope)))
 
     def run(self, network: ConstraintNetworkManager) -> None:
         """Apply the branch that the test chose, if it is decided."""
@@ -86,7 +117,7 @@ class GuardInstance:
         narrowed = self.test.narrow(domains)
         if narrowed is None:
             branch = self.guard.otherwise
-        elif all(domain.is_singleton and not domain.is_open for domain in domains):
+        elif all(domains[n].is_singleton and not domains[n].is_open for n in self.deciding):
             branch = self.guard.then
         else:
             return
@@ -136,8 +167,23 @@ def relate(manager: TokenNetworkManager, table: Sequence[Distance], origin: Toke
 
 
 def _require(manager: TokenNetworkManager, statement: Require, instance: RuleInstance) -> None:
+    if statement.procedure == "temporalDistance" and _plain_distance(manager, statement, instance):
+        return
     scope = [evaluate(manager, argument, instance) for argument in statement.arguments]
     manager.require(statement.procedure, scope, instance)
+
+
+def _plain_distance(manager: TokenNetworkManager, statement: Require, instance: RuleInstance) -> bool:
+    """Post a distance between two timepoints whose bounds are written out; False when it is none."""
+    if len(statement.arguments) != 3 or not isinstance(statement.arguments[1], Constant):
+        return False
+    from_, to = (evaluate(manager, statement.arguments[n], instance) for n in (0, 2))
+    written = statement.arguments[1]
+    domain = written.domain if written.domain is not None else singleton(written.value)
+    if not (isinstance(from_, TimeVariable) and isinstance(to, TimeVariable) and isinstance(domain, Interval)):
+        return False
+    manager.network.distance(from_, to, domain.lower, domain.upper, instance)
+    return True
 
 
 def _local(manager: TokenNetworkManager, statement: Local, instance: RuleInstance) -> None:
@@ -145,12 +191,18 @@ def _local(manager: TokenNetworkManager, statement: Local, instance: RuleInstanc
         f"{instance}.{statement.name}", manager.model.domain_of(statement.type), instance
     )
     instance.names[statement.name] = variable
-    manager.must_be_decided(variable)
+    if statement.decide:
+        manager.must_be_decided(variable)
 
 
 def _guard(manager: TokenNetworkManager, statement: Guard, instance: RuleInstance) -> None:
     scope = [evaluate(manager, argument, instance) for argument in statement.arguments]
     manager.network.watch(GuardInstance(manager, statement, scope, instance))
+
+
+def _for_each(manager: TokenNetworkManager, statement: ForEach, instance: RuleInstance) -> None:
+    over = evaluate(manager, statement.over, instance)
+    manager.network.watch(ForEachInstance(manager, statement, over, instance))
 
 
 def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstance) -> None:
@@ -172,6 +224,7 @@ _CARRY_OUT: dict[type, Callable[[TokenNetworkManager, Any, RuleInstance], None]]
     Local: _local,
     Guard: _guard,
     OneOf: _one_of,
+    ForEach: _for_each,
 }
 
 

@@ -35,9 +35,16 @@ def apply_pattern(manager: TokenNetworkManager, token: Token, pattern: TokenPatt
             manager.require("eq", (variable, allowed), owner)  # an interval alone would admit what lies between
     for variable_of_time, bounds in ((token.start, pattern.start), (token.end, pattern.end)):
         _bound(manager, variable_of_time, bounds, owner)
-    _bound(manager, token.duration, pattern.duration, owner)
     if pattern.contingent is not None:
-        token.contingent = pattern.contingent
+        token.duration.by_nature = pattern.contingent
+    if token.contingent and pattern.contingent is None:
+        # A wish for a duration is a requirement on the plan; it does not change what nature may choose.
+        lower, upper = pattern.duration
+        network.distance(
+            token.start, token.end, -math.inf if lower is None else lower, math.inf if upper is None else upper, owner
+        )
+    else:
+        _bound(manager, token.duration, pattern.duration, owner)
 
 
 def _bound(manager: TokenNetworkManager, variable: AnyVariable, bounds: Bounds, owner: str) -> None:

@@ -71,7 +71,7 @@ class Timeline:
 
 def may_codesignate(token: Token, host: Token) -> bool:
     """Whether two tokens could be one, as far as the domains of their variables can tell."""
-    if token.predicate is not host.predicate:
+    if token.predicate is not host.predicate or token.must_host or token.predicate.solitary:
         return False
     bounds = host.start.temporal.bounds
     for mine, other in ((token.start, host.start), (token.end, host.end)):

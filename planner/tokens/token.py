@@ -30,11 +30,11 @@ class Token:
     """A value token: a predicate name, variables for start, end and duration, and one for each parameter.
 
     `name` is a path: the statement's name, then the names of the subgoals that lead here. `owner`: who asked for the
-    token; `master`: the token whose configuration constraint did, or None; `depth`: how many of them up.
+    token; `master`: the token whose configuration constraint did, or None; `depth`: how many of them up. `must_host`:
+    the problem says that it is active, so it gets a slot of its own and is codesignated with nothing.
     """
 
     __slots__ = (
-        "contingent",
         "depth",
         "duration",
         "end",
@@ -43,6 +43,7 @@ class Token:
         "id",
         "kind",
         "master",
+        "must_host",
         "name",
         "object",
         "owner",
@@ -80,10 +81,11 @@ class Token:
         self.owner = owner
         self.master = master
         self.depth: int = master.depth + 1 if master is not None else 0
-        self.contingent = predicate.contingent
+        self.duration.by_nature = predicate.contingent
         self.state = TokenState.INACTIVE
         self.host: Token | None = None
         self.placed = False
+        self.must_host = False
         self.group: OpenGroup | None = None
         # What a search found out about the token, and the bounds for which it did: a cache, never undone.
         self.rank: Rank = ()
@@ -95,6 +97,11 @@ class Token:
         found = self.object.domain.value
         assert isinstance(found, ModelObject)
         return found
+
+    @property
+    def contingent(self) -> bool:
+        """Whether nature decides the duration."""
+        return self.duration.by_nature
 
     def variable(self, name: str) -> AnyVariable | None:
         """The variable of a parameter or of one of start, end, duration, object; None when there is none."""

@@ -85,8 +85,8 @@ ACTIVITIES = (
     ),
 )
 
-# Safe: pointed at the Earth, the wings at the Sun, nothing thrusting, nothing exposing. The camera is told to be off but
-# may stay on: what it does shows in telemetry, and the next plan starts from there.
+# Safe: pointed at the Earth, the wings at the Sun, nothing thrusting, nothing exposing. The camera is told to be off
+# but may stay on: what it does shows in telemetry, and the next plan starts from there.
 STANDBY = Standby(
     commands=(Send("acs.standby"), Send("micas.power", {"on": False})),
     confirmation=Confirmation(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from planner.constraints.procedure import ConstraintProcedure
 from planner.constraints.standard import STANDARD
@@ -161,7 +162,7 @@ def _navigation(navigation: ClassBuilder) -> None:
     session = navigation.predicate("session", {"target": "Target"}, attribute="activity")
     with session.requires() as this:
         images = [this.contains(take, target=this.target) for _ in range(IMAGES_PER_SESSION)]
-        for earlier, later in zip(images, images[1:], strict=False):
+        for earlier, later in pairwise(images):
             this.relate("before", earlier, later)
         with this.either() as switch:
             with switch.alternative() as works:
@@ -186,6 +187,8 @@ def turn_duration(turns: Mapping[tuple[str, str], tuple[int, int]]) -> Constrain
     def narrow(domains: Sequence[Domain]) -> Sequence[Domain] | None:
         """Duration is within the bounds of the turn from origin to target."""
         origin, target, duration = domains
+        assert isinstance(origin, Values)
+        assert isinstance(target, Values)
         left = [
             (a, b)
             for a in origin.values()
@@ -195,7 +198,6 @@ def turn_duration(turns: Mapping[tuple[str, str], tuple[int, int]]) -> Constrain
         if not left:
             return None
         lower, upper = min(turns[p][0] for p in left), max(turns[p][1] for p in left)
-        assert isinstance(origin, Values) and isinstance(target, Values)
         return origin.keep(a for a, _ in left), target.keep(b for _, b in left), duration.bounded(lower, upper)
 
     return ConstraintProcedure("turnDuration", narrow, 3, 3)
@@ -207,11 +209,11 @@ def throttle_power(throttle: Mapping[int, float]) -> ConstraintProcedure:
     def narrow(domains: Sequence[Domain]) -> Sequence[Domain] | None:
         """Power is what the level draws."""
         level, power = domains
+        assert isinstance(level, Values)
         left = [v for v in level.values() if throttle.get(v, math.nan) in power]
         if not left:
             return None
         drawn = [throttle[v] for v in left]
-        assert isinstance(level, Values)
         return level.keep(left), power.intersect(Interval(min(drawn), max(drawn), integer=False))
 
     return ConstraintProcedure("throttlePower", narrow, 2, 2)

@@ -1,4 +1,4 @@
-"""Reading a recording back: the telemetry plots and the pictures, for a report. Plan and events are in the run folder."""
+"""Reading a recording back: the telemetry plots and the pictures, for a report. The rest is in the run folder."""
 
 from __future__ import annotations
 

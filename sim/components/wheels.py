@@ -1,20 +1,76 @@
-"""Four reaction wheels: from a torque wanted on the bus to motor torques within the limits."""
+"""Four reaction wheels: from a torque wanted on the bus to motor torques within the limits.
+
+Allocation is the pseudo-inverse, which for axes (+-1, +-1, 1)/sqrt(3) is 3/4 of the transpose. A wheel at its speed
+limit may only slow down. When one motor would need more than its limit, all four torques shrink together, so that the
+direction of the torque on the bus stays right. Bearings have viscous and dry friction, of which the drives compensate a
+share from the measured speed; the rest turns wheel and bus against each other as the motor does.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from sim.components.hooks import refuse_fault
+from sim.kernels import Memory, compiled
 from sim.quaternion import Vector
+
+AXES, INERTIA, TORQUE_LIMIT, SPEED_LIMIT = 0, 12, 13, 14
+SPEEDS, MOMENTUM, MOTORS, WORKS = 15, 19, 22, 26
+VISCOUS, DRY, UNCOMPENSATED = 30, 31, 32
+SIZE = 33
+# Speed under which dry friction fades to nothing at rest.
+_DRY_FADES_RAD_S = 0.5
+
+
+@compiled
+def observe(m: Memory) -> None:
+    """Momentum in body axes from the speeds in the memory."""
+    for axis in range(3):
+        total = 0.0
+        for k in range(4):
+            total += m[AXES + 3 * k + axis] * m[SPEEDS + k]
+        m[MOMENTUM + axis] = m[INERTIA] * total
+
+
+@compiled
+def limit(m: Memory, dt_s: float) -> None:
+    """Cut the motor torques in the memory to what torque and speed limits allow for `dt_s`."""
+    largest = 0.0
+    for k in range(4):
+        largest = max(largest, abs(m[MOTORS + k]))
+    scale = m[TORQUE_LIMIT] / largest if largest > m[TORQUE_LIMIT] else 1.0
+    for k in range(4):
+        motor = scale * m[MOTORS + k] * m[WORKS + k]
+        speed, change = m[SPEEDS + k], motor * dt_s / m[INERTIA]
+        if abs(speed + change) > m[SPEED_LIMIT] and speed * change > 0.0:
+            room = max(0.0, m[SPEED_LIMIT] - abs(speed))
+            motor = math.copysign(room * m[INERTIA] / dt_s, change)
+        m[MOTORS + k] = motor
+
+
+@compiled
+def allocate(m: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
+    """Motor torques that put this torque on the bus, as far as the limits go."""
+    for k in range(4):
+        a = AXES + 3 * k
+        m[MOTORS + k] = -0.75 * (m[a] * tx + m[a + 1] * ty + m[a + 2] * tz)
+    limit(m, dt_s)
+
+
+@compiled
+def uncompensated_friction(m: Memory, k: int) -> float:
+    """Torque (N m) on wheel `k` that its drive does not compensate; a drive that failed compensates nothing."""
+    speed = m[SPEEDS + k]
+    dry = m[DRY] * max(-1.0, min(1.0, speed / _DRY_FADES_RAD_S))
+    share = m[UNCOMPENSATED] if m[WORKS + k] != 0.0 else 1.0
+    return -share * (m[VISCOUS] * speed + dry)
 
 
 class Wheels:
-    """Allocation by the pseudo-inverse, which for axes (+-1, +-1, 1)/sqrt(3) is 3/4 of the transpose.
-
-    A wheel at its speed limit may only slow down. When one motor would need more than its limit, all four torques
-    shrink together, so that the direction of the torque on the bus stays right.
-    """
+    """The wheels' memory, their faults and telemetry. Without `friction` (viscous, dry, share left) there is none."""
 
     def __init__(
         self,
@@ -23,74 +79,61 @@ class Wheels:
         torque_limit_Nm: float,
         speed_limit_rad_s: float,
         speeds_rad_s: Sequence[float],
+        friction: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
-        self._axes = axes_B
-        self._inertia = inertia_kg_m2
-        self._torque_limit = torque_limit_Nm
-        self._speed_limit = speed_limit_rad_s
-        self._speeds = list(speeds_rad_s)
-        self.momentum_B: Vector = (0.0, 0.0, 0.0)
-        self.observe(self._speeds)
+        self.memory: Memory = np.zeros(SIZE)
+        m = self.memory
+        m[AXES : AXES + 12] = np.ravel(axes_B)
+        m[INERTIA], m[TORQUE_LIMIT], m[SPEED_LIMIT] = inertia_kg_m2, torque_limit_Nm, speed_limit_rad_s
+        m[WORKS : WORKS + 4] = 1.0
+        m[VISCOUS], m[DRY], m[UNCOMPENSATED] = friction
+        self.observe(speeds_rad_s)
 
     def __repr__(self) -> str:
-        return f"Wheels({', '.join(f'{speed:.1f}' for speed in self._speeds)} rad/s)"
+        return f"Wheels({', '.join(f'{speed:.1f}' for speed in self.memory[SPEEDS : SPEEDS + 4])} rad/s)"
 
-    def observe(self, speeds_rad_s: list[float]) -> None:
+    @property
+    def momentum_Nms(self) -> float:
+        """Size of the momentum that they store."""
+        x, y, z = self.memory[MOMENTUM : MOMENTUM + 3].tolist()
+        return math.sqrt(x * x + y * y + z * z)
+
+    def observe(self, speeds_rad_s: Sequence[float]) -> None:
         """Take the wheels' speeds (4, rad/s) as the physics left them."""
-        self._speeds = speeds_rad_s
-        a, b, c, d = self._axes
-        i = self._inertia
-        p, q, r, s = i * speeds_rad_s[0], i * speeds_rad_s[1], i * speeds_rad_s[2], i * speeds_rad_s[3]
-        self.momentum_B = (
-            a[0] * p + b[0] * q + c[0] * r + d[0] * s,
-            a[1] * p + b[1] * q + c[1] * r + d[1] * s,
-            a[2] * p + b[2] * q + c[2] * r + d[2] * s,
-        )
+        self.memory[SPEEDS : SPEEDS + 4] = speeds_rad_s
+        observe(self.memory)
 
     def step(self, dt_s: float, torque_on_bus_B: Vector) -> list[float]:
         """Motor torques (4, N m on the wheels) that put `torque_on_bus_B` (N m) on the bus, as far as the limits go."""
-        tx, ty, tz = torque_on_bus_B
-        a, b, c, d = self._axes
-        motors = [
-            -0.75 * (a[0] * tx + a[1] * ty + a[2] * tz),
-            -0.75 * (b[0] * tx + b[1] * ty + b[2] * tz),
-            -0.75 * (c[0] * tx + c[1] * ty + c[2] * tz),
-            -0.75 * (d[0] * tx + d[1] * ty + d[2] * tz),
-        ]
-        return self.limited(dt_s, motors)
-
-    def limited(self, dt_s: float, motors: list[float]) -> list[float]:
-        """Motor torques (4, N m) like `motors` that keep torque and speed limits for the next `dt_s`."""
-        largest = max(*motors, -min(motors))
-        if largest > self._torque_limit:
-            scale = self._torque_limit / largest
-            motors = [scale * motor for motor in motors]
-        else:
-            motors = list(motors)
-        if max(*self._speeds, -min(self._speeds)) > self._speed_limit - self._torque_limit * dt_s / self._inertia:
-            self._respect_speed_limit(dt_s, motors)
+        allocate(self.memory, dt_s, *torque_on_bus_B)
+        motors: list[float] = self.memory[MOTORS : MOTORS + 4].tolist()
         return motors
+
+    def limited(self, dt_s: float, motors: Sequence[float]) -> list[float]:
+        """Motor torques (4, N m) like `motors` that keep torque and speed limits for the next `dt_s`."""
+        self.memory[MOTORS : MOTORS + 4] = motors
+        limit(self.memory, dt_s)
+        cut: list[float] = self.memory[MOTORS : MOTORS + 4].tolist()
+        return cut
 
     def telemetry(self) -> dict[str, float]:
         """Speeds and the size of the momentum they store."""
-        x, y, z = self.momentum_B
-        one, two, three, four = self._speeds
+        one, two, three, four = self.memory[SPEEDS : SPEEDS + 4].tolist()
         return {
             "wheels.speed_1_rad_s": one,
             "wheels.speed_2_rad_s": two,
             "wheels.speed_3_rad_s": three,
             "wheels.speed_4_rad_s": four,
-            "wheels.momentum_Nms": math.sqrt(x * x + y * y + z * z),
+            "wheels.momentum_Nms": self.momentum_Nms,
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """No failure modes yet."""
-        del active, parameters
-        refuse_fault(self, mode)
-
-    def _respect_speed_limit(self, dt_s: float, motors: list[float]) -> None:
-        for k, speed in enumerate(self._speeds):
-            change = motors[k] * dt_s / self._inertia
-            if abs(speed + change) > self._speed_limit and speed * change > 0.0:
-                room = max(0.0, self._speed_limit - abs(speed))
-                motors[k] = math.copysign(room * self._inertia / dt_s, change)
+        """`motor_1` to `motor_4`: that wheel's drive gives no torque and friction slows it. `friction`: `factor` times."""
+        if mode == "friction":
+            factor = parameters["factor"] if active else 1.0 / parameters["factor"]
+            self.memory[VISCOUS] *= factor
+            self.memory[DRY] *= factor
+        elif mode in ("motor_1", "motor_2", "motor_3", "motor_4"):
+            self.memory[WORKS + int(mode[-1]) - 1] = 0.0 if active else 1.0
+        else:
+            refuse_fault(self, mode)

@@ -4,35 +4,56 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from sim.environment import wing_angle_rad
+from sim.kernels import Memory, compiled
 from sim.quaternion import Vector
 
 # With the Sun nearly along the wings' axis every angle is as good: the drive waits rather than race round.
 _AXIS_CONE_SQUARED = 0.01
+
+SETPOINT, RATE_LIMIT = 0, 1
+SIZE = 2
+
+
+@compiled
+def step(m: Memory, dt_s: float, sun_x: float, sun_z: float) -> float:
+    """Move the set point after the Sun (its components across +Y) for `dt_s`; the new one."""
+    if sun_x * sun_x + sun_z * sun_z > _AXIS_CONE_SQUARED:
+        way = math.atan2(-sun_z, sun_x) - m[SETPOINT]
+        way -= 2.0 * math.pi * math.floor(way / (2.0 * math.pi) + 0.5)
+        reach = m[RATE_LIMIT] * dt_s
+        m[SETPOINT] += max(-reach, min(reach, way))
+    return float(m[SETPOINT])
+
+
+@compiled
+def incidence(plus_rad: float, minus_rad: float, sun_x: float, sun_z: float) -> float:
+    """Mean over the wings of the cosine between their cells' normal and the Sun, not below 0."""
+    one = sun_x * math.cos(plus_rad) - sun_z * math.sin(plus_rad)
+    two = sun_x * math.cos(minus_rad) - sun_z * math.sin(minus_rad)
+    return 0.5 * (max(0.0, one) + max(0.0, two))
 
 
 class Wings:
     """One angle for both. The set point runs at the drive's rate limit; the physics follow it with their inertia."""
 
     def __init__(self, rate_limit_rad_s: float, sun_B: Vector) -> None:
-        self._rate_limit = rate_limit_rad_s
-        self.setpoint_rad = wing_angle_rad(sun_B)
+        self.memory: Memory = np.array([wing_angle_rad(sun_B), rate_limit_rad_s])
 
     def __repr__(self) -> str:
         return f"Wings({math.degrees(self.setpoint_rad):.1f} deg)"
 
+    @property
+    def setpoint_rad(self) -> float:
+        """Angle (rad, turns counted) that the drives hold."""
+        return float(self.memory[SETPOINT])
+
     def step(self, dt_s: float, sun_B: Vector) -> float:
         """Angle (rad, turns counted) that the drives should hold for the next `dt_s`."""
-        if sun_B[0] * sun_B[0] + sun_B[2] * sun_B[2] > _AXIS_CONE_SQUARED:
-            way = math.remainder(wing_angle_rad(sun_B) - self.setpoint_rad, math.tau)
-            reach = self._rate_limit * dt_s
-            self.setpoint_rad += max(-reach, min(reach, way))
-        return self.setpoint_rad
+        return step(self.memory, dt_s, sun_B[0], sun_B[2])
 
     def incidence_cosine(self, angles_rad: list[float], sun_B: Vector) -> float:
         """Mean over the wings of the cosine between their cells' normal and the Sun, not below 0."""
-        x, _, z = sun_B
-        plus, minus = angles_rad
-        one = x * math.cos(plus) - z * math.sin(plus)
-        two = x * math.cos(minus) - z * math.sin(minus)
-        return 0.5 * (max(0.0, one) + max(0.0, two))
+        return incidence(angles_rad[0], angles_rad[1], sun_B[0], sun_B[2])

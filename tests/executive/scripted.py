@@ -353,7 +353,8 @@ def fly(
     return Run(executive, stream.getvalue())
 
 
-_QUIET = {"observation", "bounds", "timepoint.executed", "command.acknowledged"}
+_QUIET = {"observation", "plan.answered", "bounds", "timepoint.executed", "command.acknowledged"}
+_INPUTS = ("scenario", "seed", "text", "goals", "settings")
 
 
 def transcript(run: Run, since: int = 0, until: int = 1000) -> str:
@@ -370,9 +371,7 @@ def transcript(run: Run, since: int = 0, until: int = 1000) -> str:
             words.append(f"{entry['token']} {entry['predicate']}({', '.join(map(str, arguments.values()))})")
             words += [str(entry[name]) for name in ("verdict", "reason") if name in entry]
         else:
-            words += [
-                f"{n}={_short(v)}" for n, v in entry.items() if n not in ("t", "event", "scenario", "seed", "text")
-            ]
+            words += [f"{n}={_short(v)}" for n, v in entry.items() if n not in ("t", "event", *_INPUTS)]
         lines.append(" ".join(words))
     return "".join(line + "\n" for line in lines)
 

@@ -10,10 +10,10 @@ import pytest
 
 from executive.bindings import Activity, Bindings, Conclusion, Confirmation, Finish, Maintained, Monitor, Send, Standby
 from executive.conditions import Condition
+from executive.goals import GoalBook
 from executive.journal import Journal
 from executive.port import TelemetryValue
 from executive.records import Settings
-from executive.replanner import GoalBook
 from planner.plan import Bounds
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
 from tests.executive.scripted import (

@@ -241,10 +241,7 @@ def test_plans_that_the_bindings_cannot_execute_are_refused(change: dict[str, ob
         assert plan is not None
         if "horizon" in change:
             return PlanningResult(replace(plan, horizon=(7, 120)))
-        tokens = tuple(
-            replace(t, **change) if t.predicate == "Camera.imaging" else t
-            for t in plan.tokens
-        )
+        tokens = tuple(replace(t, **change) if t.predicate == "Camera.imaging" else t for t in plan.tokens)
         return PlanningResult(replace(plan, tokens=tokens))
 
     run = fly(ScriptedPlant(AT_START, reactions()), plan=strange, horizon=(0, 20))

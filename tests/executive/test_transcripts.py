@@ -133,13 +133,14 @@ def test_refused_until_no_retry_is_left() -> None:
  17 command.sent arguments={target: vesta} id=4 name=camera.image token=t3
  18 violation detail=start: camera.image refused after 2 tries: refused by script kind=refused
  18 fault.detected diagnosis=camera dead monitor=refused
+ 18 fault.response monitor=refused response=replan
  18 token.aborted t5 Attitude.holding(vesta)
  18 token.failed t3 Camera.imaging(vesta) refused: start: camera.image refused after 2 tries: refused by script
  18 command.sent arguments={} id=5 name=camera.halt token=t3
- 18 standby.entered reason=refused: start: camera.image refused after 2 tries: refused by script
+ 18 standby.entered reason=the camera does not take images any more (refused: start: camera.image refused after 2 tries: refused by script)
  18 command.sent arguments={} id=6 name=safe.standby token=standby
- 20 plan.requested attempt=1 budget=5 reason=refused: start: camera.image refused after 2 tries: refused by script
- 25 plan.adopted handover=25 plan=plan-02 reason=refused: start: camera.image refused after 2 tries: refused by script tokens=2
+ 20 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (refused: start: camera.image refused after 2 tries: refused by script)
+ 25 plan.adopted handover=25 plan=plan-02 reason=the camera does not take images any more (refused: start: camera.image refused after 2 tries: refused by script) tokens=2
  25 goal id=image-vesta reason=unreachable: the camera is dead status=dropped
  25 standby.left
  25 token.started t1 Attitude.holding(earth)
@@ -181,13 +182,14 @@ def test_unconfirmed_although_acknowledged() -> None:
  22 command.timeout id=4
  22 violation detail=start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready kind=unconfirmed
  22 fault.detected diagnosis=camera dead monitor=unconfirmed
+ 22 fault.response monitor=unconfirmed response=replan
  22 token.aborted t5 Attitude.holding(vesta)
  22 token.failed t3 Camera.imaging(vesta) unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready
  22 command.sent arguments={} id=5 name=camera.halt token=t3
- 22 standby.entered reason=unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready
+ 22 standby.entered reason=the camera does not take images any more (unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready)
  22 command.sent arguments={} id=6 name=safe.standby token=standby
- 24 plan.requested attempt=1 budget=5 reason=unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready
- 29 plan.adopted handover=29 plan=plan-02 reason=unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready tokens=2
+ 24 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready)
+ 29 plan.adopted handover=29 plan=plan-02 reason=the camera does not take images any more (unconfirmed: start: camera.image not confirmed within 3 s, 2 tries: expected camera.state == exposing, found ready) tokens=2
  29 goal id=image-vesta reason=unreachable: the camera is dead status=dropped
  29 standby.left
  29 token.started t1 Attitude.holding(earth)
@@ -237,12 +239,13 @@ def test_fault_standby_replan_goals_kept_and_dropped() -> None:
  21 goal id=image-vesta reason=None status=achieved
  26 fault.detected diagnosis=camera dead monitor=camera-stuck
  26 violation detail=camera-stuck: the camera does not take images any more kind=fault
+ 26 fault.response monitor=camera-stuck response=replan
  26 token.aborted t8 Attitude.turning(ceres)
  26 token.aborted t6 Camera.idle()
- 26 standby.entered reason=fault: camera-stuck: the camera does not take images any more
+ 26 standby.entered reason=the camera does not take images any more (fault: camera-stuck)
  26 command.sent arguments={} id=6 name=safe.standby token=standby
- 28 plan.requested attempt=1 budget=5 reason=fault: camera-stuck: the camera does not take images any more
- 33 plan.adopted handover=33 plan=plan-02 reason=fault: camera-stuck: the camera does not take images any more tokens=2
+ 28 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (fault: camera-stuck)
+ 33 plan.adopted handover=33 plan=plan-02 reason=the camera does not take images any more (fault: camera-stuck) tokens=2
  33 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
  33 standby.left
  33 token.started t1 Attitude.holding(earth)
@@ -292,12 +295,13 @@ def test_responses_that_do_not_help_lead_to_the_conclusion() -> None:
  27 command.sent arguments={} id=7 name=camera.reset token=monitor camera-stuck
  30 fault.detected diagnosis=camera dead monitor=camera-stuck
  30 violation detail=camera-stuck: the camera does not take images any more kind=fault
+ 30 fault.response monitor=camera-stuck response=replan
  30 token.aborted t8 Attitude.turning(ceres)
  30 token.aborted t6 Camera.idle()
- 30 standby.entered reason=fault: camera-stuck: the camera does not take images any more
+ 30 standby.entered reason=the camera does not take images any more (fault: camera-stuck)
  30 command.sent arguments={} id=8 name=safe.standby token=standby
- 32 plan.requested attempt=1 budget=5 reason=fault: camera-stuck: the camera does not take images any more
- 37 plan.adopted handover=37 plan=plan-02 reason=fault: camera-stuck: the camera does not take images any more tokens=2
+ 32 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (fault: camera-stuck)
+ 37 plan.adopted handover=37 plan=plan-02 reason=the camera does not take images any more (fault: camera-stuck) tokens=2
  37 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
  37 standby.left
  37 token.started t1 Attitude.holding(earth)
@@ -315,13 +319,15 @@ def test_two_faults_at_once() -> None:
  26 fault.detected diagnosis=camera dead monitor=camera-stuck
  26 fault.detected diagnosis=wheel lost monitor=tumbling
  26 violation detail=camera-stuck: the camera does not take images any more kind=fault
+ 26 fault.response monitor=camera-stuck response=replan
  26 violation detail=tumbling: the attitude control gave up kind=fault
+ 26 fault.response monitor=tumbling response=replan
  26 token.aborted t8 Attitude.turning(ceres)
  26 token.aborted t6 Camera.idle()
- 26 standby.entered reason=fault: camera-stuck: the camera does not take images any more; fault: tumbling: the attitude control gave up
+ 26 standby.entered reason=the camera does not take images any more (fault: camera-stuck); the attitude control gave up (fault: tumbling)
  26 command.sent arguments={} id=6 name=safe.standby token=standby
- 28 plan.requested attempt=1 budget=5 reason=fault: camera-stuck: the camera does not take images any more; fault: tumbling: the attitude control gave up
- 33 plan.adopted handover=33 plan=plan-02 reason=fault: camera-stuck: the camera does not take images any more; fault: tumbling: the attitude control gave up tokens=2
+ 28 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (fault: camera-stuck); the attitude control gave up (fault: tumbling)
+ 33 plan.adopted handover=33 plan=plan-02 reason=the camera does not take images any more (fault: camera-stuck); the attitude control gave up (fault: tumbling) tokens=2
  33 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
  33 standby.left
  33 token.started t1 Attitude.holding(earth)
@@ -338,16 +344,18 @@ def test_a_fault_while_the_planner_thinks_is_planned_for_again() -> None:
         == """\
  24 fault.detected diagnosis=wheel lost monitor=tumbling
  24 violation detail=tumbling: the attitude control gave up kind=fault
+ 24 fault.response monitor=tumbling response=replan
  24 token.aborted t8 Attitude.turning(ceres)
  24 token.aborted t6 Camera.idle()
- 24 standby.entered reason=fault: tumbling: the attitude control gave up
+ 24 standby.entered reason=the attitude control gave up (fault: tumbling)
  24 command.sent arguments={} id=6 name=safe.standby token=standby
- 26 plan.requested attempt=1 budget=5 reason=fault: tumbling: the attitude control gave up
+ 26 plan.requested attempt=1 budget=5 reason=the attitude control gave up (fault: tumbling)
  29 fault.detected diagnosis=camera dead monitor=camera-stuck
  29 violation detail=camera-stuck: the camera does not take images any more kind=fault
+ 29 fault.response monitor=camera-stuck response=replan
  31 plan.failed reason=the state at hand-over differs: expected camera Camera.idle(); found camera Camera.dead()
- 31 plan.requested attempt=2 budget=5 reason=fault: tumbling: the attitude control gave up
- 36 plan.adopted handover=36 plan=plan-02 reason=fault: tumbling: the attitude control gave up tokens=2
+ 31 plan.requested attempt=2 budget=5 reason=the attitude control gave up (fault: tumbling)
+ 36 plan.adopted handover=36 plan=plan-02 reason=the attitude control gave up (fault: tumbling) tokens=2
  36 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
  36 standby.left
  36 token.started t1 Attitude.holding(earth)
@@ -518,10 +526,11 @@ def test_no_time_is_left_to_plan() -> None:
  31 fault.detected diagnosis=wheel lost monitor=tumbling
  31 token.confirmed t7 Camera.imaging(ceres)
  31 violation detail=tumbling: the attitude control gave up kind=fault
+ 31 fault.response monitor=tumbling response=replan
  31 token.aborted t9 Attitude.holding(ceres)
  31 token.aborted t7 Camera.imaging(ceres)
  31 command.sent arguments={} id=7 name=camera.halt token=t7
- 31 standby.entered reason=fault: tumbling: the attitude control gave up
+ 31 standby.entered reason=the attitude control gave up (fault: tumbling)
  31 command.sent arguments={} id=8 name=safe.standby token=standby
  33 plan.failed reason=no time is left before the end of the horizon
  35 goal id=image-ceres reason=not achieved before the end of the run status=missed

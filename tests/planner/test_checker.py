@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import pytest
 
@@ -50,12 +51,12 @@ def kinds(violations: tuple[Violation, ...]) -> set[str]:
     return {v.kind for v in violations}
 
 
-def with_token(plan: FlexiblePlan, token_id: str, **changes: object) -> FlexiblePlan:
+def with_token(plan: FlexiblePlan, token_id: str, **changes: Any) -> FlexiblePlan:
     """The plan with one token changed, alone of its slot."""
-    return replace(plan, tokens=tuple(replace(t, **changes) if t.id == token_id else t for t in plan.tokens))  # type: ignore[arg-type]
+    return replace(plan, tokens=tuple(replace(t, **changes) if t.id == token_id else t for t in plan.tokens))
 
 
-def with_slot(plan: FlexiblePlan, token_id: str, **changes: object) -> FlexiblePlan:
+def with_slot(plan: FlexiblePlan, token_id: str, **changes: Any) -> FlexiblePlan:
     """The plan with all tokens of a slot changed alike."""
     group = next(s for t in plan.timelines for s in t.slots if token_id in s)
     for member in group:
@@ -504,7 +505,10 @@ def test_a_contingent_duration_is_what_the_domain_declares_for_these_parameters(
     model.object("body", "Body")
     with turn.requires() as this:
         this.constrain("leq", this.duration, this.slowness * 10)
-        this.constrain("leq", 320, this.duration)
+        with this.when(this.slowness == 84) as slow:
+            slow.constrain("leq", 320, this.duration)
+        with this.when(this.slowness == 32) as fast:
+            fast.constrain("leq", this.duration, 310)
     token = PlanToken("t", "body", "state", "Body.turn", {"slowness": 84}, (0, 0), duration, duration, contingent=True)
     timelines = (PlanTimeline("body", "state", (("t",),)),)
     plan = FlexiblePlan("turns", (0, 1000), ("body",), timelines, (replace(token, goal="g"),), ())

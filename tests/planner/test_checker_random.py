@@ -196,7 +196,7 @@ def domains(draw: st.DrawFn) -> tuple[ModelManager, Problem]:
                 with options.alternative() as one:
                     one.meets(rest)
                 with options.alternative() as other:
-                    other.met_by(rest, **{})
+                    other.met_by(rest)
         if draw(st.booleans()):
             this.constrain("leq", this.duration, draw(st.integers(1, 6)))
     for name in ("Mover", "Worker"):

@@ -247,7 +247,10 @@ def test_exogenous_goals_need_a_fact() -> None:
 def test_an_undecided_fact_still_hosts() -> None:
     """A fact that may lie in several slots is placed before the goal that needs it looks for a host."""
     facts = (SUN, TokenPattern("Light.sun", start=(0, 70), duration=(3, 5)))
-    goals = (Goal("one", TokenPattern("Light.sun", start=(30, 30))), Goal("two", TokenPattern("Light.sun", end=(0, 29))))
+    goals = (
+        Goal("one", TokenPattern("Light.sun", start=(30, 30))),
+        Goal("two", TokenPattern("Light.sun", end=(0, 29))),
+    )
     assert solved(plan(rover_model(), Problem((0, 80), facts=facts, goals=goals)))
 
 

@@ -38,7 +38,9 @@ def class_definition(reader: Reader, block: Block, declare: Declare, recover: Re
     members: list[Member] = []
     while not reader.accept("}"):
         if reader.lexeme.kind == END:
-            raise Complaint(opened, f"the '{{' of class {name} is never closed: expected '}}', found the end of the file")
+            raise Complaint(
+                opened, f"the '{{' of class {name} is never closed: expected '}}', found the end of the file"
+            )
         if reader.accept(";"):
             continue
         started, depth = reader.index, reader.depth

@@ -141,8 +141,9 @@ class Report:
         """NddlError with all that was found; UnsupportedError when nothing is wrong but that."""
         if not self.found:
             return
+        files = list(dict.fromkeys(d.at.file for d in self.found))
         kind = UnsupportedError if all(d.unsupported for d in self.found) else NddlError
-        raise kind(self.found)
+        raise kind(sorted(self.found, key=lambda d: (files.index(d.at.file), d.at.offset)))
 
 
 def listed(names: Iterable[str]) -> str:

@@ -15,6 +15,7 @@ _PATTERN = re.compile(
     | (?P<name>[A-Za-z_$][A-Za-z_0-9$]*)
     | (?P<text>"(?:[^"\\\n]|\\.)*")
     | (?P<include>\#[ \t]*include)
+    | (?P<open>/\*)
     | (?P<mark>::|==|!=|<=|>=|&&|\|\||<:|[-+*/<>=!(){}\[\],;:.?|&])
     | (?P<other>.)
     """,
@@ -43,7 +44,7 @@ def lexemes(source: Source, report: Report) -> list[Lexeme]:
             kind = match.lastgroup
             if kind == "space":
                 continue
-            if kind == "other":
+            if kind in ("other", "open"):
                 offset = _skip_unreadable(source, match.start(), report)
                 break
             assert kind is not None

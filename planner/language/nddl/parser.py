@@ -90,7 +90,7 @@ def _top_level(reader: Reader) -> Statement | None:
         at = reader.at()
         reader.advance()
         if reader.lexeme.kind != "text":
-            raise reader.unexpected('a file name in quotes after \'#include\', as in #include "Plasma.nddl"')
+            raise reader.unexpected("a file name in quotes after '#include', as in #include \"Plasma.nddl\"")
         found = Include(unquoted(reader.advance().text), at=at)
         reader.accept(";")
         return found
@@ -153,27 +153,24 @@ def statement(reader: Reader) -> Statement | None:
 
 def _two_names(reader: Reader) -> Statement:
     """`t1 before t2;`, or the declaration `Type name ...;`."""
-    relation, after = reader.ahead(), reader.ahead(2)
-    if relation.text in RELATIONS and (after.kind == "name" or after.text in ("(", "[")):
+    word, after = reader.ahead().text, reader.ahead(2)
+    if word in RELATIONS and (after.kind == "name" or after.text in ("(", "[")):
         return _relation(reader, reader.advance().text)
-    if after.kind == "name" or (after.text == "(" and reader.ahead(3).text not in (")",) and _looks_like_relation(reader)):
-        word = relation.text
-        if reader.lexeme.text in OBSOLETE:
-            raise Complaint(reader.at(), OBSOLETE[reader.lexeme.text], unsupported=True)
-        reader.advance()
-        hint = nearest(word, RELATIONS)
-        raise Complaint(reader.at(), f"expected a temporal relation between two tokens, found {word!r}{hint}")
     if reader.lexeme.text in OBSOLETE:
         raise Complaint(reader.at(), OBSOLETE[reader.lexeme.text], unsupported=True)
+    hint = nearest(word, RELATIONS)
+    if hint and (after.kind == "name" or _subgoal_follows(reader)):
+        reader.advance()
+        raise Complaint(reader.at(), f"expected a temporal relation between two tokens, found {word!r}{hint}")
     return declaration(reader)
 
 
-def _looks_like_relation(reader: Reader) -> bool:
-    """Whether `a b ( c d )` stands here: a subgoal under a misspelt relation."""
+def _subgoal_follows(reader: Reader) -> bool:
+    """Whether `a b (c.d e` stands here: a subgoal under a misspelt relation."""
     index = 3
     while reader.ahead(index).kind == "name" and reader.ahead(index + 1).text == ".":
         index += 2
-    return reader.ahead(index).kind == "name" and reader.ahead(index + 1).kind == "name"
+    return reader.ahead(2).text == "(" and reader.ahead(index).kind == reader.ahead(index + 1).kind == "name"
 
 
 def _path_statement(reader: Reader) -> Statement:

@@ -16,7 +16,6 @@ from planner.constraints.network import (
     ConstraintNetworkManager,
     DurationVariable,
     Inconsistency,
-    Moment,
 )
 from planner.constraints.standard import STANDARD
 from planner.constraints.temporal_forms import post_temporal
@@ -120,7 +119,6 @@ def test_every_explanation_suffices() -> None:
     assert not found
     assert tried > 500
     assert smaller > tried / 2
-
 
 
 def test_an_explanation_that_forgets_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -106,9 +106,7 @@ class Small:
     def fits(self, plan: frozenset[Token], token: Token) -> bool:
         line = self.kinds[token.kind].line
         return all(
-            t == token or t.end <= token.start or token.end <= t.start
-            for t in plan
-            if self.kinds[t.kind].line == line
+            t == token or t.end <= token.start or token.end <= t.start for t in plan if self.kinds[t.kind].line == line
         )
 
 
@@ -198,7 +196,9 @@ def random_small(rng: random.Random) -> Small:
 
 
 def _ask(rng: random.Random, targets: list[str]) -> Ask:
-    relation = rng.choice(("meets", "met_by", "contained_by", "contains", "equals", "starts", "before", "after", "ends"))
+    relation = rng.choice(
+        ("meets", "met_by", "contained_by", "contains", "equals", "starts", "before", "after", "ends")
+    )
     bounds: tuple[Bounds, ...] = ((0, rng.randint(0, 2)),) if relation in ("before", "after") else ()
     choice = rng.random()
     x = rng.choice(VALUES) if choice < 0.3 else None

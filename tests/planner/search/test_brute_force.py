@@ -91,9 +91,7 @@ def _without(forgotten: Callable[[Decision], bool]) -> Callable[[OpenToken, Plan
         pytest.param(lambda d: isinstance(d, Codesignate), id="hosts"),
     ],
 )
-def test_a_forgotten_decision_is_seen(
-    monkeypatch: pytest.MonkeyPatch, forgotten: Callable[[Decision], bool]
-) -> None:
+def test_a_forgotten_decision_is_seen(monkeypatch: pytest.MonkeyPatch, forgotten: Callable[[Decision], bool]) -> None:
     monkeypatch.setattr(OpenToken, "decisions", _without(forgotten))
     assert any(kind.startswith("WRONG") for _, kind in disagreements(range(200)))
 

@@ -47,7 +47,9 @@ WORLDS: dict[str, Callable[[], PlanDatabase]] = {"camera": camera, "rovers": rov
 def operations(database: PlanDatabase, rng: random.Random) -> Iterator[Decision]:
     """Operations to try in random order: insert, activate, codesignate, reject, assign, order."""
     tokens = list(database.tokens.open_tokens.values())
-    flaws = [OpenToken(t) for t in tokens] + [Undecided(v) for v in database.tokens.undecided if v.domain.size < math.inf]
+    flaws = [OpenToken(t) for t in tokens] + [
+        Undecided(v) for v in database.tokens.undecided if v.domain.size < math.inf
+    ]
     found: list[Decision] = [d for f in flaws for d in _some(f.decisions(database), rng)]
     found += [Reject(t) for t in tokens if t.role == "rejectable"]
     if len(database.tokens.tokens) > 1:

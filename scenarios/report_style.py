@@ -1,3 +1,6 @@
+"""How a report looks: on a screen of any width, and in print."""
+
+STYLE = """
 :root { color-scheme: light; --ink: #1c2430; --soft: #5a6675; --rule: #dde3ea; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 1180px; padding: 1rem; color: var(--ink); background: #fff;
@@ -12,7 +15,8 @@ header p { margin: .3rem 0 0; color: var(--soft); }
 .badge.missed, .badge.failed, .badge.standby, .badge.not-finished { background: #fad4da; color: #8f1230; }
 table { border-collapse: collapse; width: 100%; }
 th { text-align: left; font-size: .8rem; color: var(--soft); font-weight: 600; }
-th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px solid var(--rule); overflow-wrap: anywhere; }
+th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px solid var(--rule);
+  overflow-wrap: break-word; }
 td { font-variant-numeric: tabular-nums; }
 .reason, .note { color: var(--soft); }
 .note { font-size: .85rem; margin: .2rem 0 .5rem; }
@@ -21,7 +25,7 @@ td { font-variant-numeric: tabular-nums; }
 svg text { font: 10px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: var(--ink); }
 svg text.label { fill: #fff; }
 svg text.lane { font-weight: 600; fill: #37414d; }
-svg text.tick { font-size: 9px; fill: var(--soft); }
+svg text.tick { font-size: 9px; fill: var(--soft); paint-order: stroke; stroke: #fff; stroke-width: 3px; }
 svg line.grid { stroke: #e6eaef; stroke-width: .7; }
 svg rect.planned { opacity: .42; }
 svg line.fault, svg line.seen { stroke: #e11d48; stroke-width: 1.3; }
@@ -43,8 +47,9 @@ figcaption { font-size: .8rem; color: var(--soft); }
 @media (max-width: 640px) {
   thead { display: none; }
   tr { display: block; padding: .45rem 0; border-bottom: 1px solid var(--rule); }
-  td { display: block; border: 0; padding: .05rem 0; }
+  td { display: inline-block; border: 0; padding: .05rem 0; margin-right: .8em; }
   td:empty { display: none; }
+  td[data-head="goal"]::before { content: none !important; }
   td[data-head]:not([data-head=""])::before { content: attr(data-head) ": "; color: var(--soft); font-size: .8rem; }
 }
 @media print {
@@ -55,3 +60,4 @@ figcaption { font-size: .8rem; color: var(--soft); }
   section:last-of-type { break-inside: auto; }
   * { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
 }
+"""
