@@ -268,6 +268,8 @@ class Executive:
             succession.give_up("what has been concluded since was not planned for", self._now)
         if self._execution.horizon_end <= self._now < self._horizon[1]:
             self._achieve(self._execution.lasting_goals(self._execution.horizon_end))
+            if self._succession is not None:
+                self._succession.give_up("it is not there at the end of the horizon", self._now)
             self._give_up("the plan's horizon is over and the next plan is not there")
             self._recover([])
         return []

@@ -24,7 +24,7 @@ _NEVER = 1 << 62
 class Forecast:
     """`state`: of the problem that begins at `handover` (seconds). `running`: by timeline, the host running then.
 
-    `over`: the hosts that will be over by then. `held`: the ends that must not come before the hand-over.
+    `over`: the hosts that will be over by then. `held`: the executive's own timepoints that must not come before that.
     """
 
     handover: int
@@ -100,9 +100,15 @@ class Forecaster:
             state.append(self._pattern(host, handover))
             running[line.object, line.attribute] = host.id
             over.update(slot[0] for slot in line.slots[:number])
-            if not host.contingent:
-                held.append(self.network.index[f"{host.id}.end"])
+            held += self._to_come(line, number)
         return Forecast(handover, tuple(state), running, frozenset(over), tuple(held))
+
+    def _to_come(self, line: PlanTimeline, number: int) -> list[int]:
+        """The timepoints on a timeline from the end of that slot on that are the executive's to perform."""
+        hosts = [self.network.plan.token(slot[0]) for slot in line.slots[number:]]
+        names = [f"{host.id}.start" for host in hosts[1:]]
+        names += [f"{host.id}.end" for host in hosts if not host.contingent]
+        return [self.network.index[name] for name in names]
 
     def _pattern(self, host: PlanToken, handover: int) -> TokenPattern:
         """A token of the next problem. What still has to last, or may not last on, keeps the time of its true start."""

@@ -103,7 +103,7 @@ def answer_from_json(content: Mapping[str, Any]) -> Answer:
             PlanningResult(plan, dropped, content["reason"], statistics), content["raised"], content["charged"]
         )
     except (KeyError, TypeError, PlanFormatError) as error:
-        raise JournalError(f"planner's answer in a journal: {type(error).__name__}: {error}") from error
+        raise JournalError(f"a planner's answer: {type(error).__name__}: {error}") from error
 
 
 def _pair(content: Any) -> tuple[int | None, int | None]:

@@ -70,6 +70,7 @@ class Interlude:
         """Request a plan when standby is reached, and wait for it; the plan when it is time to hand over."""
         pending = self._pending
         if isinstance(pending, Failed) and now >= pending.known:
+            self._replanner.learn(pending)
             self._planning_failed(pending.reason, now)
         elif isinstance(pending, Ready) and now >= pending.handover:
             if (difference := self._difference(pending, telemetry, now)) is None:

@@ -10,17 +10,33 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import TextIO
+from typing import Protocol
 
 from executive.errors import JournalError
 
 _NOTHING: Mapping[str, object] = {}
 
 
+class LineStream(Protocol):
+    """Where a journal's lines go: any text stream."""
+
+    def write(self, text: str, /) -> int:
+        """Take one line with its end."""
+        ...
+
+    def flush(self) -> None:
+        """Bring it to where a kill cannot reach it."""
+        ...
+
+    def close(self) -> None:
+        """Take no more."""
+        ...
+
+
 class Journal:
     """Writes entries to a text stream, which it closes only if it opened it (`create`)."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: LineStream) -> None:
         self._stream = stream
         self._owned = False
         self._encode = json.JSONEncoder(sort_keys=True, separators=(",", ":"), allow_nan=False).encode

@@ -93,9 +93,7 @@ class Replanner:
         if answer.raised is not None:
             return Failed(f"the planner raised {answer.raised}", known, charged)
         if charged > self.budget:
-            reason = f"the planner took {charged} s, its budget was {self.budget} s"
-            self.budget = charged
-            return Failed(reason, known, charged)
+            return Failed(f"the planner took {charged} s, its budget was {self.budget} s", known, charged)
         if result.plan is None:
             return Failed(result.reason or "the planner found no plan and gave no reason", known, charged)
         judged = self._judge(result.plan, request.handover)
@@ -103,6 +101,10 @@ class Replanner:
             return Failed(judged, known, charged)
         considered = frozenset(goal.id for goal in request.goals)
         return Ready(result, *judged, request.state, request.handover, charged, withheld, considered)
+
+    def learn(self, failed: Failed) -> None:
+        """A planner that has overrun its budget gets that much the next time."""
+        self.budget = max(self.budget, failed.charged)
 
     def delay(self, failures: int) -> int:
         """How long to wait after that many failures in a row."""
@@ -125,7 +127,7 @@ class Replanner:
             self._journal.write(request.now, "plan.answered", content)
             answer = answer_from_json(json.loads(json.dumps(content, sort_keys=True)))
         except JournalError as error:
-            return Failed(f"the planner's answer is not plain data: {error}", request.now + charged, charged)
+            return Failed(f"the planner's answer cannot be written down: {error}", request.now + charged, charged)
         return replace(answer, result=replace(answer.result, statistics=result.statistics))
 
     def _planning_goal(self, end: int) -> tuple[Goal, ...]:

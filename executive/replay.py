@@ -23,7 +23,7 @@ OUTSIDE = frozenset({"fault.injected", "fault.cleared"})
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first line (from 1) at which the journals part: as it was recorded, and as it came out; None: no such line."""
+    """The first line (from 1) at which the journals part, as recorded and as it came out; None: no such line."""
 
     line: int
     recorded: str | None

@@ -41,6 +41,12 @@ class Continuation(TextIOBase):
         """Whether the journal still knows better what comes next."""
         return self._compared < len(self.history.lines)
 
+    def check_caught_up(self) -> None:
+        """ResumeError if there are lines left that did not come out again."""
+        if self.catching_up:
+            missing = self.history.lines[self._compared]
+            raise ResumeError(f"{self._path}:{self._compared + 1}: the run did not come to this again: {missing}")
+
     def write(self, text: str, /) -> int:
         """One line with its end."""
         if self.catching_up:
@@ -87,9 +93,7 @@ def resume(
         executive.step()
     if stream.history.is_finished:
         executive.finish()
-    if stream.catching_up:
-        missing = stream.history.lines[stream._compared]
-        raise ResumeError(f"{stream._path}:{stream._compared + 1}: the run did not come to this again: {missing}")
+    stream.check_caught_up()
     return executive
 
 

@@ -65,6 +65,7 @@ class Succession:
     def pursue(self, now: int) -> None:
         """Take note of a failure; ask when it is time."""
         if isinstance(self._pending, Failed) and now >= self._pending.known:
+            self._replanner.learn(self._pending)
             self._fail(self._pending.reason, now)
         if self._pending is None and not self.is_over and now >= self._retry_at:
             self._request(now)
@@ -115,7 +116,9 @@ class Succession:
         served = self._execution.goals_until(None if self.joins_at is not None else forecast)
         goals = tuple(goal for goal in self._goals.unfinished(self._end) if goal.id not in served)
         self._forecast, self._asked_at = forecast, now
-        self._pending = self._replanner.plan(Request(now, handover, self._end, forecast.state, goals, self.failures))
+        # For a goal that came in nothing is withheld: without it the plan in execution is as good as another.
+        relaxing = self.failures if self.joins_at is not None else 0
+        self._pending = self._replanner.plan(Request(now, handover, self._end, forecast.state, goals, relaxing))
         self.charged += self._pending.charged
         self._waits_until = now + min(self._pending.charged, budget)
         if self.joins_at is None and isinstance(self._pending, Ready):

@@ -9,19 +9,20 @@ from time import perf_counter
 
 from planner.constraints.network import Inconsistency, Owner
 from planner.database import PlanDatabase
-from planner.errors import ModelError, ProblemError
+from planner.errors import ModelError, ProblemError, nearest
 from planner.extraction import extract
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, SearchStatistics
-from planner.search.chronological import search
+from planner.search.engines import ENGINES, Search
 from planner.search.outcome import Limits, Outcome
 
 Acceptance = Callable[[FlexiblePlan], bool]
 """Judges a complete plan beyond the model, for example whether it is dynamically controllable."""
 
 
-_STATED = re.compile(r"^(?:state|fact) \d+ \((.+)\)$")
+_STATED = re.compile(r"\b(?:state|fact) \d+ \(([^()]+)\)")
+_SUBGOAL = re.compile(r"/\w+")
 
 
 @dataclass(slots=True)
@@ -32,20 +33,30 @@ class _Attempt:
 
 
 def plan(
-    model: ModelManager, problem: Problem, limits: Limits | None = None, accept: Acceptance | None = None
+    model: ModelManager,
+    problem: Problem,
+    limits: Limits | None = None,
+    accept: Acceptance | None = None,
+    engine: str = "chronological",
 ) -> PlanningResult:
     """Plan for as many goals as can be achieved together, the higher priority first.
 
     All goals at once if possible. Otherwise each goal in order of priority is kept if a plan with it and those kept
-    before exists, and dropped with the reason if not. `limits` are those of each attempt. ProblemError for a problem
-    that means nothing, ModelError for a model that is not closed.
+    before exists, and dropped with the reason if not. `limits` are those of each attempt, `engine` one of
+    `planner.search.engines`. ProblemError for a problem that means nothing or an engine that there is not, ModelError
+    for a model that is not closed.
     """
-    return _Planning(model, problem, limits or Limits(), accept).solve()
+    if engine not in ENGINES:
+        raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
+    return _Planning(model, problem, limits or Limits(), accept, ENGINES[engine].search).solve()
 
 
 class _Planning:
-    def __init__(self, model: ModelManager, problem: Problem, limits: Limits, accept: Acceptance | None) -> None:
+    def __init__(
+        self, model: ModelManager, problem: Problem, limits: Limits, accept: Acceptance | None, search: Search
+    ) -> None:
         self.model = model
+        self.search = search
         self.problem = problem
         self.limits = limits
         self.accept = accept
@@ -94,7 +105,7 @@ class _Planning:
         accepted: list[FlexiblePlan] = []
         try:
             self.set_up(database, goals)
-            outcome = search(database, self.limits, self._acceptance(accepted), describe)
+            outcome = self.search(database, self.limits, self._acceptance(accepted), describe)
         except Inconsistency as inconsistency:
             outcome.exhausted = True
             outcome.conflict = 0, describe(database.network.explain(inconsistency))
@@ -132,9 +143,17 @@ class _Planning:
 def describe(owners: Sequence[Owner]) -> str:
     """An explanation in a line: what cannot all be. What only follows from something named goes without saying."""
     named = list(dict.fromkeys(map(str, owners)))
-    roots = [name for name in named if not any(name.endswith(f" of {other}") for other in named)][:8]
-    words = ["the horizon" if name == "horizon" else _STATED.sub(r"\1 at the start", name) for name in roots]
+    roots = [name for name in named if not any(name.endswith(f" of {other}") for other in named)]
+    words = ["the horizon" if name == "horizon" else _plain(name) for name in roots][:8]
+    words = [word for word in words if not any(word in other for other in words if other != word)]
+    if len(words) > 1 and any(": " in word for word in words):  # a clash of resources tells its own story
+        words = [word for word in words if word != "the horizon"]
     return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else "".join(words) or "the given bounds"
+
+
+def _plain(name: str) -> str:
+    """A name without numbers: a stated token by its predicate, a subgoal by what it serves."""
+    return _STATED.sub(r"\1 at the start", _SUBGOAL.sub("", name))
 
 
 def _reason(outcome: Outcome) -> str:

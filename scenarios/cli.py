@@ -1,4 +1,7 @@
-"""The `remote-agent` command. Exit status: 0 done, 1 ran but fell short, 2 bad input (and nothing written)."""
+"""The `remote-agent` command.
+
+Exit status: 0 done, 1 ran but fell short, 2 bad input (and nothing written), 130 interrupted.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-DONE, FELL_SHORT, BAD_INPUT = 0, 1, 2
+DONE, FELL_SHORT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 app = typer.Typer(
     add_completion=False,
@@ -40,9 +43,6 @@ def main() -> None:
     except (ScenarioError, PlannerError, ExecutiveError, SimulatorError) as error:
         print(f"remote-agent: {error}", file=sys.stderr)
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        print("remote-agent: interrupted; what was written so far is readable", file=sys.stderr)
-        sys.exit(130)
 
 
 @app.command("scenarios")
@@ -66,7 +66,9 @@ def list_faults(as_json: AsJson = False) -> None:
 @app.command("engines")
 def list_engines(as_json: AsJson = False) -> None:
     """The search engines of the planner."""
-    rows = [{"name": "chronological", "summary": "depth first, the newest decision undone first"}]
+    from planner.search.engines import ENGINES
+
+    rows = [{"name": engine.name, "summary": engine.summary} for engine in ENGINES.values()]
     _print_rows(rows, ("name", "summary"), as_json)
 
 
@@ -113,7 +115,11 @@ def run_scenario(
 
         flight = Flight(loaded, RunOptions(seed, faults, images))
         folder = new_folder(out, loaded.name)
-        summary = flight.fly(folder, Listener(progress, warn))
+        try:
+            summary = flight.fly(folder, Listener(progress, warn))
+        except KeyboardInterrupt:
+            warn(f"interrupted; what was written so far is readable: {folder}")
+            raise typer.Exit(INTERRUPTED) from None
         write_report(folder)
     if as_json:
         print(json.dumps(summary))

@@ -32,11 +32,13 @@ def print_summary(summary: dict[str, Any], folder: Path) -> None:
         console.print(Text.assemble(f"  {goal['id']:{widest}}  ", status, at))
         if goal["reason"]:
             console.print(_wrapped(goal["reason"], width, " " * (widest + 4)))
-    for line in _lines(summary, folder):
+    for line in _lines(summary):
         console.print(_wrapped(line, width))
+    for what, name in (("recording", RECORDING), ("report", REPORT), ("summary", SUMMARY)):
+        console.print(f"{what:9} {folder / name}")
 
 
-def _lines(summary: dict[str, Any], folder: Path) -> Iterator[str]:
+def _lines(summary: dict[str, Any]) -> Iterator[str]:
     for plan in summary["plans"]:
         start, end = plan["horizon"]
         yield (
@@ -52,8 +54,6 @@ def _lines(summary: dict[str, Any], folder: Path) -> Iterator[str]:
     speed = summary["sim"]["realtime_factor"]
     flown, wall = clock(summary["sim"]["sim_seconds"]), summary["wall_seconds"]
     yield f"{flown} flown in {wall:.1f} s, {speed:.0f} times real time"
-    for what, name in (("recording", RECORDING), ("report", REPORT), ("summary", SUMMARY)):
-        yield f"{what:9} {folder / name}"
 
 
 def fault_line(fault: dict[str, Any]) -> str:

@@ -142,12 +142,14 @@ def _plots(story: RunStory, readings: Readings) -> Iterator[str]:
 
 
 def _images(pictures: Sequence[Picture]) -> str:
-    shown = []
-    for picture in pictures:
-        source = f"data:{picture.media_type};base64,{b64encode(picture.blob).decode('ascii')}"
-        text = escape(f"{clock(picture.time)} {picture.caption or 'chase view'}")
-        shown.append(f'<figure><img alt="{text}" src="{source}"><figcaption>{text}</figcaption></figure>')
-    return f'<div class="images">{"".join(shown)}</div>' if shown else ""
+    rows = [[p for p in pictures if p.camera == camera] for camera in ("micas", "chase")]
+    return "".join(f'<div class="images">{"".join(map(_image, row))}</div>' for row in rows if row)
+
+
+def _image(picture: Picture) -> str:
+    source = f"data:{picture.media_type};base64,{b64encode(picture.blob).decode('ascii')}"
+    text = escape(f"{clock(picture.time)} {picture.caption or 'chase view'}")
+    return f'<figure><img alt="{text}" src="{source}"><figcaption>{text}</figcaption></figure>'
 
 
 def _events(story: RunStory) -> str:

@@ -18,6 +18,7 @@ th { text-align: left; font-size: .8rem; color: var(--soft); font-weight: 600; }
 th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px solid var(--rule);
   overflow-wrap: break-word; }
 td { font-variant-numeric: tabular-nums; }
+td:is([data-head="goal"], [data-head="plan"], [data-head="fault"]) { white-space: nowrap; }
 .reason, .note { color: var(--soft); }
 .note { font-size: .85rem; margin: .2rem 0 .5rem; }
 .wide { overflow-x: auto; }
@@ -36,7 +37,8 @@ svg text.plan { fill: #0b5a54; font-weight: 600; }
 figure { margin: .4rem 0; }
 figcaption { font-size: .8rem; color: var(--soft); }
 .key { font-weight: 600; margin-left: .6em; }
-.images { display: grid; grid-template-columns: repeat(auto-fill, minmax(130px, 1fr)); gap: .5rem; }
+.images { margin-bottom: .8rem; display: grid;
+  grid-template-columns: repeat(auto-fill, minmax(130px, 1fr)); gap: .5rem; }
 .images figure { margin: 0; }
 .images img { width: 100%; display: block; background: #000; border-radius: 3px; }
 .events { list-style: none; margin: 0; padding: 0; font-size: .9rem; }

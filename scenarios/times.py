@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 
 _PARTS = re.compile(r"\s*(?:(\d{1,9})\s*d)?\s*(?:(\d{1,9})\s*h)?\s*(?:(\d{1,9})\s*m(?:in)?)?\s*(?:(\d{1,9})\s*s?)?\s*$")
+_CLOCK = re.compile(r"\s*(?:(\d{1,9})\s*d\s+)?(\d{1,9}):([0-5]\d)(?::([0-5]\d))?\s*$")
 
 
 def seconds_of(text: object) -> int:
-    """Whole seconds of a whole number (any) or of text such as `3h20m`; ValueError says what was expected."""
+    """Whole seconds of a whole number, or of text such as `3h20m` or `03:20:00`; ValueError says what was expected."""
     if isinstance(text, int) and not isinstance(text, bool):
         return text
-    matched = _PARTS.match(text) if isinstance(text, str) and text.strip() else None
+    matched = _CLOCK.match(text) or _PARTS.match(text) if isinstance(text, str) and text.strip() else None
     if matched is None:
         raise ValueError(f"expected seconds or a time such as 3h20m, found {text!r:.80}")
     days, hours, minutes, seconds = (int(group or 0) for group in matched.groups())

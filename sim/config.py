@@ -83,7 +83,7 @@ class SpacecraftConfig:
     solar_pressure_1au_Pa: float = 4.56e-6
     sunlit_area_m2: float = 26.0
     pressure_centre_B_m: Vector = (0.0, 0.02, -0.05)
-    # attitude sensors (assumptions of a class: gyro of 0.2 arcsec/s^1/2, tracker of 2 and 12 arcsec, 0.1 deg Sun sensors)
+    # attitude sensors (assumptions of a class: gyro of 0.2 arcsec/s^1/2, tracker of 2 and 12 arcsec)
     attitude_source: str = "estimator"
     gyro_angle_walk_rad_rs: float = 1.0e-6
     gyro_rate_noise_rad_s: float = 2.0e-6

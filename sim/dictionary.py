@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from sim.components.ion_engine import LEVELS
+from sim.components.thrusters import MODES
 
 TelemetryValue = float | int | str | bool
 
@@ -23,7 +24,7 @@ class Argument:
     name: str
     type: str
     unit: str = ""
-    choices: tuple[int, ...] = ()
+    choices: tuple[int | str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +48,29 @@ class Channel:
     meaning: str
 
 
+RESETTABLE = ("acs", "ips", "lpe", "micas", "pdu", "radio")
+
 _TELECOMMANDS = (
     Telecommand("acs.point", "acs", (Argument("target", "str"),), "slew to a target and hold it with the wheels"),
     Telecommand("acs.standby", "acs", (), "slew to the Earth and stay there, safe"),
+    Telecommand(
+        "acs.actuators",
+        "acs",
+        (Argument("name", "str", "", ("wheels", "thrusters")),),
+        "hold and turn with the wheels or with the thrusters",
+    ),
+    Telecommand("acs.unload", "acs", (), "let the thrusters take the momentum out of the wheels"),
+    Telecommand(
+        "rcs.mode",
+        "acs",
+        (Argument("mode", "str", "", MODES),),
+        "which four thrusters turn about Y: the x-thrusters or the z-thrusters",
+    ),
+    Telecommand("pasm.power", "pdu", (Argument("on", "bool"),), "throw the power switch PASM, which feeds the LPE"),
+    Telecommand("lpe.status", "lpe", (), "ask the LPE's terminal for a sign of life"),
+    Telecommand(
+        "terminal.reset", "bus", (Argument("name", "str", "", RESETTABLE),), "start a bus terminal's electronics anew"
+    ),
     Telecommand("ips.start", "ips", (), "start the ion engine: standby to ready"),
     Telecommand(
         "ips.thrust", "ips", (Argument("level", "int", "", LEVELS),), "thrust at a level, from ready or thrusting"
@@ -98,6 +119,18 @@ _TELEMETRY = (
     Channel("radio.state", "", "str", 0, "off | on | downlinking"),
     Channel("recorder.stored_Mbit", "Mbit", "float", 0.01, "data waiting for a downlink"),
     Channel("recorder.downlinked_Mbit", "Mbit", "float", 0.01, "data sent to the ground"),
+    Channel("neb1.status", "", "str", 0, "on | off: what the status sensor of power bus NEB1 says"),
+    Channel("neb1.current_A", "A", "float", 0.01, "current of power bus NEB1"),
+    Channel("neb1s.status", "", "str", 0, "on | off: what the status sensor of power bus NEB1-S says"),
+    Channel("neb1s.current_A", "A", "float", 0.01, "current of power bus NEB1-S"),
+    Channel("neb2.status", "", "str", 0, "on | off: what the status sensor of power bus NEB2 says"),
+    Channel("neb2.current_A", "A", "float", 0.01, "current of power bus NEB2"),
+    Channel("pasm.switch", "", "str", 0, "on | off: status of the power switch PASM"),
+    Channel("rcs.mode", "", "str", 0, "x_for_y | z_for_y: which thrusters turn about Y"),
+    Channel("rcs.hydrazine_kg", "kg", "float", 1e-4, "hydrazine left"),
+    Channel("tracker.state", "", "str", 0, "tracking | blind | failed | off: star tracker"),
+    Channel("acs.estimate_sigma_rad", "rad", "float", 1e-7, "standard deviation that the filter gives its attitude"),
+    Channel("acs.actuators", "", "str", 0, "wheels | unloading | thrusters"),
 )
 TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})
 

@@ -75,7 +75,7 @@ class Sensors:
         return {"tracker.state": self.tracker_state}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`tracker_fails`, `sun_fails`: no more readings. `bias_jump`: the gyro's bias steps by `size` about each axis."""
+        """`tracker_fails`, `sun_fails`: no readings. `bias_jump`: the gyro's bias steps by `size` deg/h an axis."""
         s = self.memory
         if mode == "tracker_fails":
             s[law.TRACKER_WORKS] = 0.0 if active else 1.0

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
+from sim.components.thrusters import NAMES
 from sim.errors import ConfigurationError
 
 
@@ -56,8 +57,42 @@ _TABLE = (
         (FaultParameter("factor", 3.0, 1.0, 100.0, "times the healthy duration"),),
     ),
     Fault("ips-start-fails", "ips", "start_blocked", "the ion engine's start never reaches ready"),
+    Fault("ips-recycle", "ips", "recycle", "the ion engine breaks off thrusting by itself, once, and stays ready"),
     Fault("ips-terminal-hung", "terminal.ips", "hung", "commands to the ion engine get no answer and do nothing"),
+    Fault("ips-confirmation-lost", "terminal.ips", "mute", "the ion engine executes commands, but no answer comes"),
     Fault("micas-terminal-hung", "terminal.micas", "hung", "commands to the camera get no answer and do nothing"),
+    Fault("radio-terminal-hung", "terminal.radio", "hung", "commands to the radio get no answer and do nothing"),
+    Fault("lpe-terminal-hung", "terminal.lpe", "hung", "the LPE's terminal does not answer until it is reset"),
+    Fault("lpe-terminal-dead", "terminal.lpe", "dead", "the LPE's terminal does not answer, and a reset does not help"),
+    Fault("neb1-status-false", "switchboard", "false_off_neb1", "NEB1's status sensor says off; the bus has power"),
+    Fault("neb1-off", "switchboard", "open_neb1", "NEB1's relay is open: the star tracker has no power"),
+    Fault("neb1s-off", "switchboard", "open_neb1s", "NEB1-S's relay is open: the thrusters' drive has no power"),
+    Fault("neb2-off", "switchboard", "open_neb2", "NEB2's relay is open: no power for camera, PASM and ion engine"),
+    Fault("pasm-status-false", "switchboard", "false_off_pasm", "PASM's status says off whatever it is"),
+    *(
+        Fault(f"thruster-{name}-closed", "rcs", f"closed_{name}", f"the valve of thruster {name.upper()} stays closed")
+        for name in NAMES
+    ),
+    Fault("star-tracker-fails", "sensors", "tracker_fails", "the star tracker gives no more attitude"),
+    Fault("sun-sensors-fail", "sensors", "sun_fails", "the Sun sensors see no Sun"),
+    Fault(
+        "gyro-bias-jumps",
+        "sensors",
+        "bias_jump",
+        "the gyro's bias steps about every axis",
+        (FaultParameter("size", 5.0, -100.0, 100.0, "degrees an hour"),),
+    ),
+    *(
+        Fault(f"wheel-{n}-fails", "wheels", f"motor_{n}", f"the motor of wheel {n} gives no torque")
+        for n in (1, 2, 3, 4)
+    ),
+    Fault(
+        "wheel-friction",
+        "wheels",
+        "friction",
+        "friction of all wheels grows",
+        (FaultParameter("factor", 5.0, 1.0, 50.0, "times the healthy friction"),),
+    ),
     Fault(
         "slow-slew",
         "acs",
@@ -71,6 +106,13 @@ _TABLE = (
         "array_loss",
         "the solar array gives a fraction of its power",
         (FaultParameter("factor", 0.8, 0.0, 1.0, "fraction of the healthy power"),),
+    ),
+    Fault(
+        "battery-degraded",
+        "power",
+        "battery_loss",
+        "the battery holds a fraction of its charge",
+        (FaultParameter("factor", 0.5, 0.01, 1.0, "fraction of the healthy capacity"),),
     ),
 )
 FAULTS: Mapping[str, Fault] = MappingProxyType({fault.name: fault for fault in _TABLE})
@@ -102,13 +144,16 @@ class FaultSchedule:
         if end_s is not None:
             self._push(end_s, fault, False, complete)
 
-    def update(self, time_s: float) -> None:
-        """Begin and end what is due at `time_s` or before, in order of time, then of injection."""
+    def update(self, time_s: float) -> bool:
+        """Begin and end what is due at `time_s` or before, in order of time, then of injection; whether any was."""
+        if not self._queue or self._queue[0][0] > time_s:
+            return False
         while self._queue and self._queue[0][0] <= time_s:
             _, _, fault, active, parameters = heapq.heappop(self._queue)
             self._components[fault.component].set_fault(fault.mode, active, parameters)
             others = tuple(name for name in self.active if name != fault.name)
             self.active = (*others, fault.name) if active else others
+        return True
 
     def _push(self, time_s: float, fault: Fault, active: bool, parameters: Mapping[str, float]) -> None:
         self._count += 1

@@ -1,9 +1,9 @@
 """Compilation of the arithmetic that runs every second of flight.
 
-The functions marked `compiled` work on arrays of floats, are plain Python to read and to debug (`function.py_func`), and
-go through numba where it is installed; without it they run as they stand, some ten times slower, to the same numbers up
-to the last digits of the sine. The first flight on a machine compiles for some seconds; the result is cached beside the
-source.
+The functions marked `compiled` work on arrays of floats, are plain Python to read and to debug (`function.py_func`),
+and go through numba where it is installed; without it they run as they stand, some ten times slower, to the same
+numbers up to the last digits of the sine. The first flight on a machine compiles for some seconds; the result is
+cached beside the source.
 
 An array is a component's memory: the component's module names its places, and only that module writes them, the flight
 loop excepted, which carries readings from one to the other.

@@ -188,7 +188,7 @@ class Physics:
         raise SimulationError("ips", float(self._data.time), "expected a finite thrust")
 
     def explain(self) -> NoReturn:
-        """Raise what broke: step again, one at a time, from the sound state; the first step that warns knows the cause."""
+        """Raise what broke: step again, one at a time, from the sound state; the first that warns knows the cause."""
         again = mujoco.MjData(self._model)
         again.qpos[:], again.qvel[:], again.time = self._qpos_before, self._qvel_before, self._time_before
         again.ctrl[:], again.qfrc_applied[0:6] = self._ctrl_view, self._force_view

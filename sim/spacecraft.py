@@ -13,29 +13,38 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sim import flight_loop as loop
 from sim.assembly import load_assembly
+from sim.components import thrusters
 from sim.components.camera import Camera
 from sim.components.ion_engine import IonEngine
-from sim.components.power import Power
+from sim.components.power import SWITCHED_W, Power
 from sim.components.radio import Radio, Recorder
+from sim.components.switchboard import Switchboard
 from sim.components.terminal import Acknowledgement, BusTerminal
+from sim.components.thrusters import Thrusters
 from sim.components.wheels import Wheels
 from sim.components.wings import Wings
 from sim.config import SpacecraftConfig
 from sim.control import AttitudeControl
 from sim.dictionary import TELECOMMANDS, TERMINALS, TelemetryValue, round_telemetry, why_wrong
-from sim.environment import THRUST_AXIS_B, Environment
+from sim.environment import Environment
 from sim.errors import ConfigurationError
+from sim.estimator import Estimator, Sensors
 from sim.faults import FaultHook, FaultSchedule
+from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
+from sim.flight_loop import FlightLoop
+from sim.kernels import Memory
 from sim.physics import Physics
-from sim.quaternion import Quaternion, Vector, rotate, rotate_inverse
+from sim.quaternion import Quaternion, Vector, rotate_inverse
 from sim.rendering import Renderer
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
-_GENERATORS = ("wheels", "ips", "micas")
+_GENERATORS = ("wheels", "ips", "micas", "sensors")
 _SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
-# The mass in the physics follows the xenon in grains of this size, half a minute of thrust: 2e-7 of the mass.
-_XENON_GRAIN_KG = 1.0e-4
+# The mass in the physics follows the propellant in grains of this size, half a minute of thrust: 2e-7 of the mass.
+_PROPELLANT_GRAIN_KG = 1.0e-4
+_ACTUATORS = ("wheels", "unloading", "thrusters")
 _UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
 
 
@@ -69,8 +78,8 @@ class Spacecraft:
         spread = config.wheel_initial_speed_rad_s
         speeds = generators["wheels"].uniform(-spread, spread, 4).tolist()
         self._physics = Physics(self._assembly, attitude_IB, speeds)
-        self._sun_B = rotate_inverse(attitude_IB, self.environment.sun_direction_I(0.0))
-        self._wings = Wings(config.wing_rate_limit_rad_s, self._sun_B)
+        sun_B = rotate_inverse(attitude_IB, self.environment.sun_direction_I(0.0))
+        self._wings = Wings(config.wing_rate_limit_rad_s, sun_B)
         self._physics.place_wings(self._wings.setpoint_rad)
         self._control = AttitudeControl(config, self._assembly.inertia_kg_m2, attitude_IB, config.initial_target)
         self._wheels = Wheels(
@@ -79,18 +88,37 @@ class Spacecraft:
             config.wheel_torque_limit_Nm,
             config.wheel_speed_limit_rad_s,
             speeds,
+            (config.wheel_viscous_Nms, config.wheel_dry_Nm, config.wheel_friction_left),
         )
+        self._thrusters = Thrusters(config)
+        self._sensors = Sensors(config, generators["sensors"], attitude_IB)
+        bias = self._sensors.memory[GYRO_BIAS : GYRO_BIAS + 3].copy()
+        self._estimator = Estimator(config, generators["sensors"], attitude_IB, bias)
         self._engine = IonEngine(config, generators["ips"])
         self._camera = Camera(config, generators["micas"])
         self._power = Power(config)
         self._radio = Radio(config)
         self._recorder = Recorder(config.recorder_capacity_Mbit)
         self._terminals = {name: BusTerminal(name) for name in TERMINALS}
+        self._switchboard = Switchboard()
         self._faults = FaultSchedule(self._fault_hooks())
+        self._surroundings = self._new_surroundings()
+        self._loop = FlightLoop(
+            self._physics,
+            self._control,
+            self._wheels,
+            self._thrusters,
+            self._wings,
+            self._power,
+            self._sensors,
+            self._estimator,
+            self._surroundings,
+        )
+        self._loop.look_around(self.environment, 0.0)
         self._steps = round(config.control_period_s / config.time_step_s)
         self._ticks = 0
-        self._thrust_I: Vector = (0.0, 0.0, 0.0)
-        self._xenon_removed_kg = 0.0
+        self._was_undervoltage = False
+        self._propellant_removed_kg = 0.0
         self._renderer: Renderer | None = None
         self._balance()
 
@@ -155,6 +183,11 @@ class Spacecraft:
         values.update(self._power.telemetry())
         values.update(self._radio.telemetry())
         values.update(self._recorder.telemetry())
+        values.update(self._switchboard.telemetry())
+        values.update(self._thrusters.telemetry())
+        values.update(self._sensors.telemetry())
+        values.update(self._estimator.telemetry())
+        values["acs.actuators"] = _ACTUATORS[int(self._surroundings[loop.ACTUATORS])]
         return round_telemetry(values)
 
     def inject(
@@ -166,7 +199,8 @@ class Spacecraft:
     ) -> None:
         """Let a fault of `sim.faults` begin at `at_s` (at once if that is past) and end at `end_s` (None: never)."""
         self._faults.add(fault_name, at_s, end_s, parameters or {})
-        self._faults.update(self.time)
+        if self._faults.update(self.time):
+            self._balance()
 
     def state_for_recording(self) -> RecordedState:
         """The raw state now."""
@@ -179,14 +213,14 @@ class Spacecraft:
             rate_B_rad_s=physics.rate_B,
             wheel_speeds_rad_s=tuple(physics.wheel_speeds_rad_s),
             wing_angles_rad=tuple(physics.wing_angles_rad),
-            mass_kg=self._assembly.total_mass_kg - self._engine.xenon_used_kg,
-            thrust_I_N=self._thrust_I,
+            mass_kg=self._assembly.total_mass_kg - self._propellant_used_kg,
+            thrust_I_N=self._thrust_I_N,
             sun_direction_I=self.environment.sun_direction_I(self.time),
             active_faults=self._faults.active,
         )
 
     def angular_momentum_I(self) -> Vector:
-        """Of spacecraft and wheels about the centre of mass, N m s: constant, as nothing outside turns it."""
+        """Of spacecraft and wheels about the centre of mass, N m s: constant without sunlight and thrusters."""
         return self._physics.angular_momentum_I()
 
     def render(self, camera: str, width: int, height: int) -> NDArray[np.uint8]:
@@ -206,63 +240,95 @@ class Spacecraft:
             self._renderer.close()
             self._renderer = None
 
+    @property
+    def _propellant_used_kg(self) -> float:
+        return self._engine.xenon_used_kg + self._thrusters.used_kg
+
+    @property
+    def _thrust_I_N(self) -> Vector:
+        x, y, z = self._surroundings[loop.THRUST_I : loop.THRUST_I + 3].tolist()
+        return (x, y, z)
+
+    def _new_surroundings(self) -> Memory:
+        config = self._config
+        e = loop.surroundings()
+        e[loop.SUNLIGHT_N] = config.solar_pressure_1au_Pa * config.sunlit_area_m2 / config.sun_distance_au**2
+        e[loop.PRESSURE_CENTRE : loop.PRESSURE_CENTRE + 3] = config.pressure_centre_B_m
+        e[loop.USE_TRUTH] = config.attitude_source == "truth"
+        e[loop.UNLOAD_NM], e[loop.UNLOADED_NMS] = config.unload_Nm, config.unloaded_Nms
+        return e
+
     def _tick(self, dt_s: float) -> None:
-        controls = self._steer(dt_s)
-        self._thrust()
-        self._operate(dt_s)
-        self._physics.advance(self._steps, controls, self._thrust_I)
+        self._loop.before(dt_s)
+        changed = self._operate(dt_s)
+        self._loop.after(self._steps, dt_s)
         self._ticks += 1
-        self._wheels.observe(self._physics.wheel_speeds_rad_s)
-        self._control.observe(dt_s, self._physics.attitude_IB, self._physics.rate_B)
-        self._balance()
-        self._faults.update(self.time)
+        if changed or self._power.undervoltage != self._was_undervoltage:
+            self._balance()
+        if self._faults.update(self.time):
+            self._balance()
 
-    def _steer(self, dt_s: float) -> list[float]:
-        torque_B = self._control.step(dt_s, self._wheels.momentum_B)
-        wing = self._wings.step(dt_s, self._sun_B)
-        return [*self._wheels.step(dt_s, torque_B), wing, wing]
-
-    def _thrust(self) -> None:
-        thrust = self._engine.thrust_N
-        if thrust == 0.0:
-            self._thrust_I = (0.0, 0.0, 0.0)
-            return
-        x, y, z = rotate(self._physics.attitude_IB, THRUST_AXIS_B)
-        self._thrust_I = (thrust * x, thrust * y, thrust * z)
-        used_kg = self._engine.xenon_used_kg
-        if used_kg - self._xenon_removed_kg >= _XENON_GRAIN_KG:
-            self._xenon_removed_kg = used_kg
-            self._physics.set_xenon_used(used_kg)
-
-    def _operate(self, dt_s: float) -> None:
-        attitude_IB, time_s = self._physics.attitude_IB, float(self.time)
-        self._power.step(dt_s)
-        self._engine.step(dt_s)
-        if self._camera.shutter_open:
-            error = self.environment.pointing_error_rad(attitude_IB, self._camera.target, time_s)
-            self._camera.watch(error, self._control.rate_rad_s)
-        frame = self._camera.step(dt_s)
-        if frame is not None and self._recorder.store(self._config.image_Mbit) and frame:
-            self._camera.images += 1
+    def _operate(self, dt_s: float) -> bool:
+        """Let time pass for the units that are doing something; whether one of them may draw another power now."""
+        changed = False
+        engine, camera = self._engine, self._camera
+        if engine.busy:
+            state = engine.state
+            engine.step(dt_s)
+            changed = state != engine.state
+        if camera.busy:
+            changed = self._operate_camera(dt_s) or changed
         if self._radio.state == "downlinking":
+            attitude_IB, time_s = self._physics.attitude_IB, float(self.time)
             error = self.environment.pointing_error_rad(attitude_IB, self.environment.earth, time_s)
             self._recorder.play(self._radio.step(dt_s, error <= self._config.antenna_half_beam_rad))
+        if self._propellant_used_kg - self._propellant_removed_kg >= _PROPELLANT_GRAIN_KG:
+            self._propellant_removed_kg = self._propellant_used_kg
+            self._physics.set_xenon_used(self._propellant_removed_kg)
+        return changed
+
+    def _operate_camera(self, dt_s: float) -> bool:
+        camera, state = self._camera, self._camera.state
+        if camera.shutter_open:
+            error = self.environment.pointing_error_rad(self._physics.attitude_IB, camera.target, float(self.time))
+            camera.watch(error, math.hypot(*self._physics.rate_B))
+        frame = camera.step(dt_s)
+        if frame is not None and self._recorder.store(self._config.image_Mbit) and frame:
+            camera.images += 1
+        return state != camera.state
 
     def _balance(self) -> None:
-        self._camera.supply(not self._power.undervoltage)
-        if self._power.undervoltage:
+        """Who has power, and what all draw: whenever something was switched, not every second."""
+        board, undervoltage = self._switchboard, self._power.undervoltage
+        self._was_undervoltage = undervoltage
+        self._camera.supply(board.fed("neb2") and not undervoltage)
+        if undervoltage or not board.fed("neb2"):
             self._engine.trip()
+        if undervoltage:
             self._radio.trip()
-        load_W = self._engine.power_W + self._camera.power_W + self._radio.power_W
-        self._sun_B = rotate_inverse(self._physics.attitude_IB, self.environment.sun_direction_I(self.time))
-        self._power.observe(self._wings.incidence_cosine(self._physics.wing_angles_rad, self._sun_B), load_W)
+        self._sensors.memory[TRACKER_POWERED] = board.fed("neb1")
+        self._thrusters.memory[thrusters.POWERED] = board.fed("neb1s")
+        self._terminals["lpe"].powered = board.lpe_fed
+        board.carry(self._camera.power_W)
+        self._surroundings[loop.THRUST_N] = self._engine.thrust_N
+        load_W = self._engine.power_W + self._camera.power_W + self._radio.power_W + board.power_W
+        self._power.memory[SWITCHED_W] = load_W
+        self._loop.look_around(self.environment, float(self.time))
 
     def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
+        if name.startswith("ips.") and not self._switchboard.fed("neb2"):
+            return f"{name} needs power from NEB2, found none"
         if self._power.undervoltage and name in _SWITCH_ON and arguments.get("on") is not False:
             return _UNDERVOLTAGE
         actions: dict[str, Callable[[], str | None]] = {
             "acs.point": lambda: self._point("wheels", str(arguments["target"])),
             "acs.standby": lambda: self._point("standby", self.environment.earth),
+            "acs.actuators": lambda: self._choose_actuators(str(arguments["name"])),
+            "acs.unload": self._unload,
+            "rcs.mode": lambda: self._thrusters.select(str(arguments["mode"])),
+            "pasm.power": lambda: self._switchboard.power(bool(arguments["on"])),
+            "lpe.status": lambda: None,
+            "terminal.reset": lambda: self._terminals[str(arguments["name"])].reset(),  # noqa: PLW0108
             "ips.start": self._engine.start,
             "ips.thrust": lambda: self._engine.thrust(int(arguments["level"])),
             "ips.idle": self._engine.idle,
@@ -278,6 +344,17 @@ class Spacecraft:
         self._control.point(mode, target, self.environment.target_attitude_IB(target, float(self.time)))
         return None
 
+    def _choose_actuators(self, name: str) -> str | None:
+        thrusters.close(self._thrusters.memory)
+        self._surroundings[loop.ACTUATORS] = loop.WITH_THRUSTERS if name == "thrusters" else loop.WITH_WHEELS
+        return None
+
+    def _unload(self) -> str | None:
+        if self._surroundings[loop.ACTUATORS] == loop.WITH_THRUSTERS:
+            return "acs.unload needs actuators wheels, found thrusters"
+        self._surroundings[loop.ACTUATORS] = loop.UNLOADING
+        return None
+
     def _fault_hooks(self) -> dict[str, FaultHook]:
         hooks: dict[str, FaultHook] = {
             "acs": self._control,
@@ -287,6 +364,9 @@ class Spacecraft:
             "power": self._power,
             "radio": self._radio,
             "recorder": self._recorder,
+            "rcs": self._thrusters,
+            "sensors": self._sensors,
+            "switchboard": self._switchboard,
         }
         hooks.update({f"terminal.{name}": terminal for name, terminal in self._terminals.items()})
         return hooks

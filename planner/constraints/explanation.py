@@ -6,6 +6,7 @@ is what bounds a variable now. The owners that result are sufficient, not necess
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Literal
 
 from planner.constraints.network import AnyVariable, DurationVariable, Inconsistency, Moment, TimeVariable, Variable
@@ -25,6 +26,13 @@ def explain(network: ConstraintNetworkManager, inconsistency: Inconsistency) -> 
     return _Tracer(network).trace(inconsistency)
 
 
+def reasons(network: ConstraintNetworkManager, variables: Iterable[AnyVariable]) -> list[Any]:
+    """The owners that together bring the variables' domains to what they are now, each once."""
+    tracer = _Tracer(network)
+    tracer.pending.extend((variable, network.now()) for variable in variables)
+    return tracer.follow()
+
+
 class _Tracer:
     def __init__(self, network: ConstraintNetworkManager) -> None:
         self.network = network
@@ -41,6 +49,10 @@ class _Tracer:
         if inconsistency.variable is not None:
             self.pending.append((inconsistency.variable, now))
         self._edges(inconsistency.cycle)
+        return self.follow()
+
+    def follow(self) -> list[Any]:
+        """Follow what is pending to its owners."""
         while self.pending:
             variable, before = self.pending.pop()
             self._owner(variable.owner)

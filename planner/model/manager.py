@@ -12,7 +12,7 @@ from planner.domains import BOOLEAN, Domain, Interval, Universe, Values
 from planner.errors import ModelError, nearest
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
 from planner.model.relations import distances
-from planner.model.resources import add_resource_predicates, resource_classes
+from planner.model.resources import USES, add_resource_predicates, resource_classes
 from planner.model.rules import ForEach, Guard, OneOf, Relate, Require, Rule, Statement, Subgoal
 
 BASIC: dict[str, Domain] = {
@@ -32,7 +32,7 @@ class ModelManager:
 
     def __init__(self, name: str, procedures: ProcedureRegistry) -> None:
         self.name = name
-        self.procedures = procedures
+        self.procedures = procedures.with_procedures(USES)
         self.enumerations: dict[str, Universe] = {}
         self.strings = Universe("string", (), is_open=True)
         self.objects: dict[str, ModelObject] = {}

@@ -22,9 +22,11 @@ flexible plan allows, or `grounded`, the one of earliest times.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from planner.domains import Interval
+from planner.constraints.procedure import ConstraintProcedure
+from planner.domains import Domain, Interval
 from planner.model.classes import Attribute, Kind, ModelClass, Parameter, Type
 
 if TYPE_CHECKING:
@@ -58,6 +60,15 @@ _CLASSES: tuple[tuple[str, str, Kind | None, dict[str, Type]], ...] = (
     ("UnaryResource", "Timeline", None, {}),
     ("Reservoir", "Object", "reservoir", _RESERVOIR),
 )
+
+
+def _uses(domains: Sequence[Domain]) -> Sequence[Domain]:
+    """(resource, quantity, start, end): the quantity is taken from the resource at start and given back at end."""
+    return domains
+
+
+USES = ConstraintProcedure("uses", _uses, 4, 4)
+"""Stands in a model for the transaction, which narrows nothing by itself: the token network posts it."""
 
 
 def resource_classes() -> list[ModelClass]:

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from planner.constraints.network import Variable
+from planner.constraints.network import AnyVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
-from planner.domains import Domain
+from planner.domains import Domain, Interval
 from planner.model.classes import ModelObject
+from planner.tokens.instance import GuardInstance
 from planner.tokens.token import Token
 
 
@@ -50,7 +51,7 @@ class Activate:
     def apply(self, database: PlanDatabase) -> None:
         """Decide the object and instantiate the configuration constraints."""
         database.network.restrict(self.token.object, database.tokens.domain_of_object(self.object), self)
-        database.tokens.activate(self.token)
+        database.tokens.activate(self.token, self)
         database.network.propagate()
 
     def __repr__(self) -> str:
@@ -106,16 +107,52 @@ class Assign:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Order:
-    """Let one token end before another starts, so that they do not use a resource together."""
+class Settle:
+    """Decide the test of a guard: this relation over its scope, which makes the test hold or fail, is true."""
 
-    first: Token
-    second: Token
+    guard: GuardInstance
+    procedure: str
+    scope: tuple[AnyVariable, ...]
+    holds: bool
 
     def apply(self, database: PlanDatabase) -> None:
-        """Post the precedence."""
-        database.network.distance(self.first.end, self.second.start, 0, math.inf, self)
+        """Post the relation and apply the guard's branch."""
+        database.tokens.require(self.procedure, self.scope, self)
+        self.guard.fire(self.holds)
         database.network.propagate()
 
     def __repr__(self) -> str:
-        return f"order {self.first.name} before {self.second.name}"
+        return f"let {self.procedure}({', '.join(v.name for v in self.scope)})"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Order:
+    """Let one timepoint come `gap` ticks or more before another, so that a resource is not overdrawn."""
+
+    first: TimeVariable
+    second: TimeVariable
+    gap: int = 0
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Post the precedence."""
+        database.network.distance(self.first, self.second, self.gap, math.inf, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"order {self.first.name} before {self.second.name}" + (f" by {self.gap}" if self.gap else "")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Limit:
+    """Keep a time or a quantity within an interval, so that a resource is not overdrawn."""
+
+    variable: AnyVariable
+    domain: Interval
+
+    def apply(self, database: PlanDatabase) -> None:
+        """Restrict the variable."""
+        database.network.restrict(self.variable, self.domain, self)
+        database.network.propagate()
+
+    def __repr__(self) -> str:
+        return f"keep {self.variable.name} within {self.domain!r}"

@@ -11,13 +11,14 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
-from planner.constraints.network import Variable
+from planner.constraints.network import DurationVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.model.classes import objects_in
-from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Order, Reject
+from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Limit, Order, Reject, Settle
 from planner.tokens.groups import OpenGroup, Rank
-from planner.tokens.resources import Clash
+from planner.tokens.instance import GuardInstance
+from planner.tokens.resources import Clash, Precede
 from planner.tokens.token import GIVEN, Token
 
 
@@ -70,7 +71,7 @@ class Undecided:
 
 
 class Contention:
-    """Tokens that together exceed a resource in some schedule that the plan allows."""
+    """Tokens that together overdraw a resource in some schedule that the plan allows."""
 
     __slots__ = ("clash",)
 
@@ -78,15 +79,44 @@ class Contention:
         self.clash = clash
 
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
-        """Order two of them, the pair with the most room first."""
-        for first, second in self.clash.profile.orders(self.clash):
-            yield Order(first, second)
+        """The remedies, the least restricting first."""
+        for remedy in self.clash.remedies():
+            if isinstance(remedy, Precede):
+                yield Order(remedy.first, remedy.second, remedy.gap)
+            else:
+                yield Limit(remedy.variable, remedy.domain)
 
     def __repr__(self) -> str:
         return f"contention on {self.clash!r}"
 
 
-Flaw = OpenToken | Undecided | Contention
+class Unsettled:
+    """A guard on times (or on numbers without end), which a flexible plan need not assign, that is not decided."""
+
+    __slots__ = ("guard",)
+
+    def __init__(self, guard: GuardInstance) -> None:
+        self.guard = guard
+
+    def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
+        """Let the test hold or fail, in each way in which it can."""
+        a, b = self.guard.scope
+        for procedure, swapped, holds in WAYS[self.guard.guard.test]:
+            yield Settle(self.guard, procedure, (b, a) if swapped else (a, b), holds)
+
+    def __repr__(self) -> str:
+        return f"unsettled {self.guard.guard.test}({', '.join(v.name for v in self.guard.scope)})"
+
+
+# How the test of a guard on numbers can come out: relation, arguments swapped, whether the test then holds.
+WAYS: dict[str, tuple[tuple[str, bool, bool], ...]] = {
+    "eq": (("eq", False, True), ("lt", False, False), ("lt", True, False)),
+    "neq": (("lt", False, True), ("lt", True, True), ("eq", False, False)),
+    "leq": (("leq", False, True), ("lt", True, False)),
+    "lt": (("lt", False, True), ("leq", True, False)),
+}
+
+Flaw = OpenToken | Undecided | Unsettled | Contention
 
 NOT_FORCED = (0,)
 """Below this is the rank of a token with a single decision or none, or that the problem says is true."""
@@ -105,7 +135,7 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterable[Decision]] | None:
     What the problem says is true comes first: exogenous tokens look there for a host. Then a token without a decision,
     then one with a single decision; then the alternatives that the problem's own tokens leave open, since they decide
     what else is needed; then tokens, those nearest to the problem first (depth), and among them the one with the fewest
-    decisions; then variables with the fewest values; then contentions.
+    decisions; then variables with the fewest values; then guards on times; then contentions.
     """
     urgent = _most_urgent(database)
     best: tuple[Flaw, Sequence[Decision]] | None = None
@@ -123,12 +153,24 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterable[Decision]] | None:
         undecided = _smallest(database)
     if undecided is not None:
         return undecided, undecided.decisions(database)
-    return _contention(database)
+    return _unsettled(database) or _contention(database)
+
+
+def _unsettled(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
+    for guard in database.tokens.waiting_guards():
+        domains = [variable.domain for variable in guard.scope]
+        # A finite variable that is still open here belongs to a token outside the horizon.
+        is_time = [isinstance(v, TimeVariable | DurationVariable) for v in guard.scope]
+        left = [d for d, time in zip(domains, is_time, strict=True) if not time and 1 < d.size < math.inf]
+        if guard.guard.test in WAYS and not left and all(d.is_numeric for d in domains):
+            unsettled = Unsettled(guard)
+            return unsettled, list(unsettled.decisions(database))
+    return None
 
 
 def _contention(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
-    for profile in database.tokens.resources.values():
-        clash = profile.clash()
+    for resource in database.tokens.resources.values():
+        clash = resource.clash()
         if clash is not None:
             contention = Contention(clash)
             return contention, list(contention.decisions(database))

@@ -40,14 +40,24 @@ Named = Token | AnyVariable | ModelObject
 
 class RuleInstance:
     """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people;
-    it is made text only when somebody asks."""
+    it is made text only when somebody asks. `cause`: the guard or loop that applied a part of the body. `path`: what
+    tells the names of its subgoals from those of the token's other rules."""
 
-    __slots__ = ("label", "names", "parent", "token")
+    __slots__ = ("cause", "label", "names", "parent", "path", "token")
 
-    def __init__(self, label: object, token: Token | None, parent: RuleInstance | None = None) -> None:
+    def __init__(
+        self,
+        label: object,
+        token: Token | None,
+        parent: RuleInstance | None = None,
+        cause: GuardInstance | ForEachInstance | None = None,
+        path: str = "",
+    ) -> None:
         self.label = label
         self.token = token
         self.parent = parent
+        self.cause = cause
+        self.path = path if parent is None else parent.path + path
         self.names: dict[str, Named] = {}
 
     def find(self, name: str) -> Named | None:
@@ -83,7 +93,7 @@ class ForEachInstance:
             return
         network.trail.assign(self, "done", True)
         for thing in objects_in(self.scope[0].domain):
-            body = RuleInstance(self.instance.label, self.instance.token, self.instance)
+            body = RuleInstance(self.instance.label, self.instance.token, self.instance, self, f"{thing.name}.")
             body.names[self.loop.name] = thing
             self.manager.carry_out(self.loop.body, body)
 
@@ -116,14 +126,16 @@ class GuardInstance:
         domains = [variable.domain for variable in self.scope]
         narrowed = self.test.narrow(domains)
         if narrowed is None:
-            branch = self.guard.otherwise
+            self.fire(False)
         elif all(domains[n].is_singleton and not domains[n].is_open for n in self.deciding):
-            branch = self.guard.then
-        else:
-            return
-        network.trail.assign(self, "fired", True)
+            self.fire(True)
+
+    def fire(self, holds: bool) -> None:
+        """Apply the branch for a test that holds, or for one that does not."""
+        self.manager.trail.assign(self, "fired", True)
+        branch = self.guard.then if holds else self.guard.otherwise
         if branch:
-            self.manager.carry_out(branch, RuleInstance(self.instance.label, self.instance.token, self.instance))
+            self.manager.carry_out(branch, RuleInstance(self.instance.label, self.instance.token, self.instance, self))
 
 
 def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], instance: RuleInstance) -> None:
@@ -134,7 +146,7 @@ def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], ins
 
 def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleInstance) -> None:
     master = instance.token
-    name = f"{master.name}/{statement.name}" if master is not None else statement.name
+    name = f"{master.name}/{instance.path}{statement.name}" if master is not None else instance.path + statement.name
     token = manager.create(statement.predicate, name, "subgoal", instance, master)
     instance.names[statement.name] = token
     if statement.target is not None:
@@ -152,7 +164,7 @@ def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleIns
 def _relate(manager: TokenNetworkManager, statement: Relate, instance: RuleInstance) -> None:
     tokens = []
     for name in (statement.origin, statement.target):
-        found = instance.token if name == "this" else instance.find(name)
+        found = instance.token if name == "this" else instance.find(name) or manager.names.get(name)
         if not isinstance(found, Token):
             raise ModelError(f"{instance.label}: {name!r} is not a token")
         tokens.append(found)
@@ -188,16 +200,19 @@ def _plain_distance(manager: TokenNetworkManager, statement: Require, instance: 
 
 def _local(manager: TokenNetworkManager, statement: Local, instance: RuleInstance) -> None:
     variable = manager.network.variable(
-        f"{instance}.{statement.name}", manager.model.domain_of(statement.type), instance
+        f"{instance}.{instance.path}{statement.name}", manager.model.domain_of(statement.type), instance
     )
     instance.names[statement.name] = variable
+    manager.name_variable(variable)
     if statement.decide:
         manager.must_be_decided(variable)
 
 
 def _guard(manager: TokenNetworkManager, statement: Guard, instance: RuleInstance) -> None:
     scope = [evaluate(manager, argument, instance) for argument in statement.arguments]
-    manager.network.watch(GuardInstance(manager, statement, scope, instance))
+    guard = GuardInstance(manager, statement, scope, instance)
+    manager.trail.append(manager.guards, guard)
+    manager.network.watch(guard)
 
 
 def _for_each(manager: TokenNetworkManager, statement: ForEach, instance: RuleInstance) -> None:
@@ -207,7 +222,8 @@ def _for_each(manager: TokenNetworkManager, statement: ForEach, instance: RuleIn
 
 def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstance) -> None:
     choices = Universe(statement.name, range(len(statement.branches)))
-    variable = manager.network.variable(f"{instance}.{statement.name}", choices.domain(), instance)
+    variable = manager.network.variable(f"{instance}.{instance.path}{statement.name}", choices.domain(), instance)
+    manager.name_variable(variable)
     manager.must_be_decided(variable)
     if instance.token is not None and instance.token.depth == 0:
         manager.trail.append(manager.alternatives, variable)

@@ -15,10 +15,11 @@ from planner.domains import Domain, Interval, Universe, Values, singleton
 from planner.errors import ModelError
 from planner.model.classes import ModelObject, objects_in
 from planner.model.manager import ModelManager
+from planner.model.resources import USES
 from planner.model.rules import Statement
 from planner.tokens.groups import BoundsWatch, OpenGroup
-from planner.tokens.instance import Named, RuleInstance, carry_out
-from planner.tokens.resources import ResourceProfile
+from planner.tokens.instance import GuardInstance, Named, RuleInstance, carry_out
+from planner.tokens.resources import PendingUse, Resource
 from planner.tokens.timeline import Timeline, may_codesignate
 from planner.tokens.token import Role, Token, TokenState
 from planner.trail import Trail
@@ -29,7 +30,8 @@ class TokenNetworkManager:
 
     Every change is trailed. `open_groups` are the inactive tokens, `undecided` the variables that a complete
     plan must bind in order of creation, `alternatives` those that choose between the alternatives of a rule of a token
-    that the problem states: the order of a search never depends on what was undone before.
+    that the problem states: the order of a search never depends on what was undone before. `by_name` are the tokens by
+    their paths and `variables` the variables that rules have of their own; of two with one name, the first.
     """
 
     def __init__(self, model: ModelManager, network: ConstraintNetworkManager, trail: Trail) -> None:
@@ -38,12 +40,16 @@ class TokenNetworkManager:
         self.trail = trail
         self.names: dict[str, Named] = {}
         self.tokens: list[Token] = []
+        self.by_name: dict[str, Token] = {}
+        self.variables: dict[str, Variable] = {}
         self.groups: dict[tuple[ModelObject | str, str], OpenGroup] = {}
         self._ungrouped: dict[int, Token] = {}
         self.undecided: list[Variable] = []
         self.alternatives: list[Variable] = []
+        self.guards: list[GuardInstance] = []
+        self._fired = 0
         self.timelines: dict[tuple[ModelObject, str], Timeline] = {}
-        self.resources: dict[ModelObject, ResourceProfile] = {}
+        self.resources: dict[ModelObject, Resource] = {}
         self._decided = 0
         self._unordered: dict[str, list[Token]] = {}
         self._constants: dict[tuple[type, Any], Variable] = {}
@@ -56,8 +62,8 @@ class TokenNetworkManager:
                 if attribute.kind == "timeline":
                     key = (thing, attribute.name)
                     self.timelines[key] = Timeline(thing, attribute.name, self.network.temporal)
-                elif attribute.kind == "reusable":
-                    self.resources[thing] = ResourceProfile(thing, self.network, self.trail)
+                elif attribute.kind in ("reusable", "reservoir"):
+                    self.resources[thing] = Resource(thing, self.model, self.network, self.trail)
 
     # Tokens come and go
 
@@ -88,6 +94,8 @@ class TokenNetworkManager:
         instance = RuleInstance(f"predicate {declared.full_name}", token)
         network.distance(start, end, *declared.duration, instance)
         self.trail.append(self.tokens, token)
+        if name not in self.by_name:
+            self.trail.add(self.by_name, name, token)
         self.trail.add(self._ungrouped, token.id, token)
         self.carry_out(declared.body, instance)
         return token
@@ -105,16 +113,16 @@ class TokenNetworkManager:
         group = self.groups.get((timeline.object, timeline.attribute))
         if group is not None:
             self._touch(group)
-        self.trail.assign(token, "placed", True)
+        self.trail.assign(token, "placed_by", owner)
         self._activate(token)
 
-    def activate(self, token: Token) -> None:
+    def activate(self, token: Token, owner: Owner) -> None:
         """Make a token of an attribute without order active: a transaction on a resource, or a value on its own."""
-        if token.kind == "reusable":
+        if token.kind in ("reusable", "reservoir"):
             self.resources[token.thing].add(token)
         else:
             self.trail.append(self._unordered_of(token), token)
-        self.trail.assign(token, "placed", True)
+        self.trail.assign(token, "placed_by", owner)
         self._activate(token)
 
     def merge(self, token: Token, host: Token, owner: Owner) -> None:
@@ -143,7 +151,7 @@ class TokenNetworkManager:
         cls = token.thing.cls
         for number, rule in enumerate(self.model.rules_for(cls, token.predicate.name)):
             label = rule.where or f"rule {number + 1} of {token.predicate.full_name}"
-            self.carry_out(rule.body, RuleInstance(label, token))
+            self.carry_out(rule.body, RuleInstance(label, token, path=f"{number + 1}:" if number else ""))
 
     def _close(self, token: Token) -> None:
         group = token.group
@@ -217,8 +225,15 @@ class TokenNetworkManager:
         """Post the constraint of that name: as a temporal one where it is, else by its procedure."""
         procedure = self.model.procedures.get(name)
         procedure.check_scope(len(scope))
-        if not post_temporal(self.network, name, scope, owner):
+        if name == USES.name:
+            self.network.watch(PendingUse(self.resources, scope, owner, self.trail))
+        elif not post_temporal(self.network, name, scope, owner):
             self.network.post(procedure, tuple(scope), owner)
+
+    def name_variable(self, variable: Variable) -> None:
+        """Let a variable that a rule has of its own be found by its name."""
+        if variable.name not in self.variables:
+            self.trail.add(self.variables, variable.name, variable)
 
     def must_be_decided(self, variable: Variable) -> None:
         """Note a variable that a complete plan must bind."""
@@ -239,6 +254,16 @@ class TokenNetworkManager:
             variable = undecided[index]
             if not variable.domain.is_singleton:
                 yield variable
+
+    def waiting_guards(self) -> Iterator[GuardInstance]:
+        """The guards of rules whose test is not decided, in order of creation."""
+        guards = self.guards
+        first = self._fired
+        while first < len(guards) and guards[first].fired:
+            first += 1
+        if first > self._fired:
+            self.trail.assign(self, "_fired", first)
+        return (guard for guard in guards[first:] if not guard.fired)
 
     def constant(self, value: Any) -> Variable:
         """A variable that has a value for ever."""

@@ -30,8 +30,9 @@ class Token:
     """A value token: a predicate name, variables for start, end and duration, and one for each parameter.
 
     `name` is a path: the statement's name, then the names of the subgoals that lead here. `owner`: who asked for the
-    token; `master`: the token whose configuration constraint did, or None; `depth`: how many of them up. `must_host`:
-    the problem says that it is active, so it gets a slot of its own and is codesignated with nothing.
+    token; `placed_by`: the decision that made it active, or None; `master`: the token whose configuration constraint
+    asked for it, or None; `depth`: how many of them up. `must_host`: the problem says that it is active, so it gets a
+    slot of its own and is codesignated with nothing.
     """
 
     __slots__ = (
@@ -48,7 +49,7 @@ class Token:
         "object",
         "owner",
         "parameters",
-        "placed",
+        "placed_by",
         "predicate",
         "rank",
         "rank_key",
@@ -84,7 +85,7 @@ class Token:
         self.duration.by_nature = predicate.contingent
         self.state = TokenState.INACTIVE
         self.host: Token | None = None
-        self.placed = False
+        self.placed_by: Owner | None = None
         self.must_host = False
         self.group: OpenGroup | None = None
         # What a search found out about the token, and the bounds for which it did: a cache, never undone.
@@ -97,6 +98,11 @@ class Token:
         found = self.object.domain.value
         assert isinstance(found, ModelObject)
         return found
+
+    @property
+    def placed(self) -> bool:
+        """Whether a decision made the token active."""
+        return self.placed_by is not None
 
     @property
     def contingent(self) -> bool:

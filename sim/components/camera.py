@@ -42,6 +42,11 @@ class Camera:
         return self._config.camera_warming_W if self.state == "warming" else self._config.camera_on_W
 
     @property
+    def busy(self) -> bool:
+        """Time changes something: warming or exposing."""
+        return self.state in ("warming", "exposing")
+
+    @property
     def shutter_open(self) -> bool:
         """Light is being collected: pointing counts."""
         return self.state == "exposing" and self._left_s > 0.0

@@ -78,6 +78,11 @@ class IonEngine:
         return f"IonEngine({self.state}, level {self.level})"
 
     @property
+    def busy(self) -> bool:
+        """Time changes something: thrusting, starting or stopping."""
+        return self.state not in ("standby", "ready")
+
+    @property
     def level(self) -> int:
         """Throttle level, 0 when not thrusting."""
         return self._point.level if self._point else 0
@@ -166,8 +171,12 @@ class IonEngine:
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`start_blocked`: the discharge does not light, starting never ends."""
+        """`start_blocked`: the discharge does not light, starting never ends. `recycle`: thrusting breaks off, once."""
         del parameters
-        if mode != "start_blocked":
+        if mode == "recycle":
+            if active and self._point is not None:
+                self.idle()
+        elif mode == "start_blocked":
+            self._start_blocked = active
+        else:
             refuse_fault(self, mode)
-        self._start_blocked = active

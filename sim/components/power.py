@@ -102,7 +102,7 @@ class Power:
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`array_loss`: the array gives `factor` of its power. `battery_loss`: the battery holds `factor` of its charge."""
+        """`array_loss`: the array gives `factor` of its power. `battery_loss`: the battery has `factor` of its size."""
         factor = parameters.get("factor", 1.0)
         if mode == "array_loss":
             self.memory[ARRAY_FACTOR] = factor if active else 1.0

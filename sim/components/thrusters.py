@@ -1,7 +1,7 @@
 """Eight hydrazine thrusters and their valves.
 
-Four palettes A to D carry an x-thruster (force along -X) and a z-thruster (force along +Z) each, off the axes, so that each
-also turns the spacecraft:
+Four palettes A to D carry an x-thruster (force along -X) and a z-thruster (force along +Z) each, off the axes, so that
+each also turns the spacecraft:
 
     palette   x-thruster   z-thruster
     A         +Y +Z        +X -Y
@@ -9,9 +9,9 @@ also turns the spacecraft:
     C         -Y +Z        -X +Y
     D         +Y -Z        -X -Y
 
-Two thrusters that share a sign about one axis turn about that axis alone. In mode `x_for_y` the x-thrusters serve Y and Z,
-the z-thrusters X; in `z_for_y` the z-thrusters serve Y and X, the x-thrusters Z. A thruster opens at least for its
-minimum time; a smaller impulse waits until enough has come together.
+Two thrusters that share a sign about one axis turn about that axis alone. In mode `x_for_y` the x-thrusters serve Y
+and Z, the z-thrusters X; in `z_for_y` the z-thrusters serve Y and X, the x-thrusters Z. A thruster opens at least for
+its minimum time; a smaller impulse waits until enough has come together.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SIZE = 57
 
 @compiled
 def fire(m: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
-    """Open valves in the next `dt_s` for this mean torque (N m), as far as it goes; mean torque and force into memory."""
+    """Open valves in the next `dt_s` for this mean torque (N m), as far as it goes; memory tells what came of it."""
     pair_Nm = 2.0 * m[FORCE_N] * m[LEVER_M]
     for k in range(8):
         m[ON + k] = 0.0
@@ -101,10 +101,11 @@ class Thrusters:
         """Hydrazine used."""
         return float(self.memory[USED_KG])
 
-    def select(self, mode: str) -> None:
+    def select(self, mode: str) -> str | None:
         """Choose the mode; impulses that wait are dropped."""
         self.memory[Z_FOR_Y] = float(MODES.index(mode))
         close(self.memory)
+        return None
 
     def telemetry(self) -> dict[str, float | str]:
         """Mode and hydrazine left. Valves have no position sensors: a stuck one shows in the attitude alone."""

@@ -128,7 +128,7 @@ class Wheels:
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`motor_1` to `motor_4`: that wheel's drive gives no torque and friction slows it. `friction`: `factor` times."""
+        """`motor_1` to `motor_4`: that wheel's drive gives no torque, friction slows it. `friction`: `factor` times."""
         if mode == "friction":
             factor = parameters["factor"] if active else 1.0 / parameters["factor"]
             self.memory[VISCOUS] *= factor

@@ -87,9 +87,7 @@ class AttitudeEnvironment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]
         self._held_s = 0
         return self._observe(), self._info()
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the torques for `seconds_per_step`; an action outside its bounds is cut to them, NaN is refused."""
         physics = self._flying()
         shares = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0).tolist()

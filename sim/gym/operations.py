@@ -92,8 +92,8 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
             raise ConfigurationError(f"render_mode: expected rgb_array or None, found {render_mode!r}")
         if seconds_per_step < 1 or horizon_s < seconds_per_step:
             raise ConfigurationError(
-                f"seconds_per_step, horizon_s: expected 1 or more, and a horizon not shorter, found {seconds_per_step}, "
-                f"{horizon_s}"
+                "seconds_per_step, horizon_s: expected 1 or more, and a horizon not shorter, "
+                f"found {seconds_per_step}, {horizon_s}"
             )
         self.render_mode = render_mode
         self._config = config or SpacecraftConfig()

@@ -21,6 +21,7 @@ from executive.bindings import (
     Response,
     Send,
     Standby,
+    plan_next,
 )
 from executive.conditions import Condition, Telemetry
 from executive.executive import Executive
@@ -177,6 +178,7 @@ def bindings(*monitors: Monitor, image_retries: int = 1, hold_early: bool = Fals
                 end=(Send("camera.close"),),
                 stop=(Send("camera.halt"),),
             ),
+            plan_next("Planner.planNext"),
         ),
         standby=Standby((Send("safe.standby"),), Confirmation((Condition("acs.target", "==", "earth"), HOLDS), 10)),
         state=state,
@@ -201,6 +203,16 @@ class Draft:
     tokens: dict[str, PlanToken] = field(default_factory=dict)
     lines: dict[tuple[str, str], list[str]] = field(default_factory=dict)
     constraints: list[PlanConstraint] = field(default_factory=list)
+    begun: dict[str, int] = field(default_factory=dict)
+
+    def given(self, line: tuple[str, str], pattern: TokenPattern) -> str:
+        """A token of the problem's state, which may have begun before the horizon."""
+        parameters = {name: str(value) for name, value in pattern.parameters.items()}
+        duration: Bounds = (0, None) if pattern.duration == (None, None) else pattern.duration
+        token_id = self.token(line, pattern.predicate, duration, parameters, bool(pattern.contingent))
+        if pattern.start[0] is not None:
+            self.begun[token_id] = pattern.start[0]
+        return token_id
 
     def token(
         self,
@@ -242,7 +254,8 @@ class Draft:
         upper = dict.fromkeys(lower, INFINITY) | {ORIGIN: 0.0}
         for i, token in self.tokens.items():
             if token.master is None and token.goal is None:
-                upper[f"{i}.start"] = float(opening)
+                upper[f"{i}.start"] = float(self.begun.get(i, opening))
+                lower[f"{i}.start"] = float(self.begun.get(i, opening))
         links = [(c.from_, c.to, c.min, c.max) for c in self.constraints]
         links += [(f"{i}.start", f"{i}.end", *token.duration) for i, token in self.tokens.items()]
         for _ in lower:
@@ -259,7 +272,8 @@ class Draft:
         return {name: (int(lower[name]), None if upper[name] == INFINITY else int(upper[name])) for name in lower}
 
 
-ATTITUDE, CAMERA = ("acs", "attitude"), ("camera", "mode")
+ATTITUDE, CAMERA, PLANNER = ("acs", "attitude"), ("camera", "mode"), ("planner", "activity")
+LINES = {"Attitude": ATTITUDE, "Camera": CAMERA, "Planner": PLANNER}
 TURN, EXPOSURE = (5, 20), (3, 8)
 
 
@@ -271,10 +285,18 @@ def layout(
     `latest_end`: from the start of the holding to the end of the image.
     """
     draft = Draft(problem.horizon)
-    holding, camera = problem.state
-    draft.token(ATTITUDE, holding.predicate, parameters={k: str(v) for k, v in holding.parameters.items()})
-    draft.token(CAMERA, camera.predicate)
+    for pattern in problem.state:
+        given = draft.given(LINES[pattern.predicate.partition(".")[0]], pattern)
+        if pattern.predicate == "Attitude.turning":
+            draft.token(ATTITUDE, "Attitude.holding", parameters=draft.tokens[given].parameters, master=given)
+        if pattern.predicate == "Camera.imaging":
+            draft.token(CAMERA, "Camera.idle", master=given)
+            draft.at(f"{given}.end", f"{draft.lines[ATTITUDE][-1]}.end", 0, None, "image while holding")
     for goal in problem.goals:
+        if goal.token.predicate == "Planner.planNext":
+            asking = draft.token(PLANNER, "Planner.planNext", (1, 20), contingent=True, goal=goal.id)
+            draft.token(PLANNER, "Planner.idle", master=asking)
+            continue
         target = {"target": goal.id.removeprefix("image-")}
         taken = draft.token(CAMERA, "Camera.imaging", exposure, target, contingent=True, goal=goal.id)
         draft.token(ATTITUDE, "Attitude.turning", turn, target, contingent=True, master=taken)

@@ -363,15 +363,16 @@ def worlds(draw: st.DrawFn) -> tuple[FlexiblePlan, dict[str, int]]:
     draft = Draft((2, 400))
     durations: dict[str, int] = {}
     activities: list[str] = []
+    rule = draft.token(("rules", "rule"), "Work.rule")
     for lane in range(draw(st.integers(1, 3))):
         for _ in range(draw(st.integers(1, 3))):
             least = draw(st.integers(2, 10))
             most = least + draw(st.integers(0, 15))
             name = f"w{len(activities)}"
-            token = draft.token((f"lane{lane}", "work"), f"Work.{name}", (least, most), contingent=True, master="rule")
+            token = draft.token((f"lane{lane}", "work"), f"Work.{name}", (least, most), contingent=True, master=rule)
             activities.append(token)
             durations[name] = draw(st.sampled_from((least, most)) | st.integers(least, most))
-            draft.token((f"lane{lane}", "work"), "Work.rest", (0, draw(st.integers(0, 30) | st.none())), master="rule")
+            draft.token((f"lane{lane}", "work"), "Work.rest", (0, draw(st.integers(0, 30) | st.none())), master=rule)
     for first, last in itertools.permutations(activities, 2):
         if draw(st.integers(0, 3)) == 0:
             ends = draw(st.sampled_from(("start", "end"))), draw(st.sampled_from(("start", "end")))

@@ -6,6 +6,7 @@ import copy
 import json
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -201,7 +202,5 @@ JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.text(max_size
 def test_any_other_content_is_refused_or_read(field: str, value: object) -> None:
     content = example()
     content[field] = value
-    try:
+    with suppress(PlanFormatError):  # and no other error
         FlexiblePlan.from_json(content)
-    except PlanFormatError as error:
-        assert str(error).startswith("plan")

@@ -1,4 +1,4 @@
-"""Planning from a model and a problem: the paper's examples, what goals, facts and states mean, goals that are dropped."""
+"""Planning: the paper's examples, what goals, facts and states mean, goals that are dropped and why."""
 
 from __future__ import annotations
 

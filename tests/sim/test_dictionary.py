@@ -18,6 +18,12 @@ def test_the_contract_with_the_flight_side():
     assert signatures == {
         "acs.point": {"target": "str"},
         "acs.standby": {},
+        "acs.actuators": {"name": "str"},
+        "acs.unload": {},
+        "rcs.mode": {"mode": "str"},
+        "pasm.power": {"on": "bool"},
+        "lpe.status": {},
+        "terminal.reset": {"name": "str"},
         "ips.start": {},
         "ips.thrust": {"level": "int"},
         "ips.idle": {},

@@ -45,7 +45,7 @@ def test_it_starts_settled_in_standby_with_full_sun():
     assert telemetry["power.array_W"] == pytest.approx(2450.0, abs=5.0)
     craft.advance(600)
     assert craft.telemetry()["acs.state"] == "settled"
-    assert craft.telemetry()["wheels.speed_1_rad_s"] == pytest.approx(telemetry["wheels.speed_1_rad_s"], abs=1.0)
+    assert craft.telemetry()["wheels.speed_1_rad_s"] == pytest.approx(telemetry["wheels.speed_1_rad_s"], abs=4.0)
 
 
 def test_every_target_gets_full_sun_once_settled():
@@ -95,7 +95,7 @@ def test_brown_out_sheds_everything_but_the_base_and_recovers():
 
 
 def test_thrust_obeys_the_rocket_equation():
-    config = SpacecraftConfig(initial_target="thrust_a", engine_start_s=(1.0, 2.0))
+    config = SpacecraftConfig(initial_target="thrust_a", engine_start_s=(1.0, 2.0), solar_pressure_1au_Pa=0.0)
     craft = Spacecraft(config, 1)
     thrusting(craft, 83)
     before = craft.state_for_recording()

@@ -1,7 +1,7 @@
 """The heaviest closed set of a partial order, by maximum flow.
 
-Picard, "Maximal closure of a graph and applications to combinatorial problems", Management Science 22, 1976; the flow by
-Dinic, "Algorithm for solution of a problem of maximum flow in networks with power estimation", Soviet Mathematics
+Picard, "Maximal closure of a graph and applications to combinatorial problems", Management Science 22, 1976; the flow
+by Dinic, "Algorithm for solution of a problem of maximum flow in networks with power estimation", Soviet Mathematics
 Doklady 11, 1970. The order is transitively closed, so the network has two layers: flow goes from an element that gains
 straight to one that costs and that it requires. Sets of elements are bits of whole numbers, so that a step of the
 breadth-first search looks at all edges of a node at once.
@@ -129,7 +129,7 @@ class _Flow:
         return False
 
     def _next_giver(self, sources: list[int], sinks: list[int], left: dict[int, int], depth: dict[int, int]) -> None:
-        """Go on from the last sink of the path to a source that gives to it and has sinks to try, or give the sink up."""
+        """Go on from the last sink of the path to a source that gives to it and has sinks to try, or leave the sink."""
         sink = sinks[-1]
         below = depth[sources[-1]] + 1
         for giver in self.inflow[sink]:

@@ -1,9 +1,9 @@
 """A ledger: the steps of one level, the limits it must keep, and what the level may be in the schedules there are.
 
 The upper envelope at a tick is the level after the events that must have happened and the heaviest set of those that
-may have and that the temporal network lets happen without the others; the lower envelope likewise (Muscettola, CP 2002).
-Both are exact: some schedule has that level at that tick. Between two ticks at which some event becomes possible or
-certain, or a limit steps, nothing changes.
+may have and that the temporal network lets happen without the others; the lower envelope likewise (Muscettola, CP
+2002). Both are exact: some schedule has that level at that tick. Between two ticks at which some event becomes possible
+or certain, or a limit steps, nothing changes.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Band:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """Events that have happened at a tick in some schedule, as bits, and the sum of their steps: too low or too high."""
+    """Events that have happened at a tick in some schedule, as bits, and the sum of their steps: too low, or high."""
 
     ledger: Ledger
     low: bool
@@ -51,7 +51,7 @@ class Scenario:
 class Ledger:
     """Events on one level. `floor` and `ceiling` bound the sum of their steps at every tick.
 
-    `uses`: all transactions take and give back. `grounded`: the limits are kept for the schedule of earliest times only.
+    `uses`: all transactions take and give back. `grounded`: only the schedule of earliest times keeps the limits.
     """
 
     def __init__(

@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from planner.errors import ModelError
@@ -40,7 +41,7 @@ class Steps:
             ):
                 raise ModelError(expected)
         starts = tuple(float(tick) for tick, _ in value)
-        if any(a >= b for a, b in zip(starts, starts[1:], strict=False)) or not all(t.is_integer() for t in starts):
+        if any(a >= b for a, b in pairwise(starts)) or not all(t.is_integer() for t in starts):
             raise ModelError(expected)
         return Steps((-math.inf, *starts[1:]), tuple(float(v) for _, v in value))
 

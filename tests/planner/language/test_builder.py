@@ -1,4 +1,4 @@
-"""The builder writes what it reads as: every construct gives the schema it stands for, and errors come where they are made."""
+"""The builder: every construct gives the schema that it reads as, and errors come where they are made."""
 
 from __future__ import annotations
 

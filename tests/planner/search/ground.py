@@ -1,4 +1,4 @@
-"""A slow oracle: small domains as plain data, planned on whole times by exhaustive search, and judged schedule by schedule.
+"""A slow oracle: small domains as plain data, planned on whole times by exhaustive search, judged by schedules.
 
 It shares nothing with the planner but the data: relations are formulas, tokens are tuples, a plan is a set of them.
 """

@@ -1,4 +1,4 @@
-"""Chronological search against an exhaustive oracle on small random domains: sound, complete, deterministic."""
+"""Every search engine against an exhaustive oracle on small random domains: sound, complete, deterministic."""
 
 from __future__ import annotations
 
@@ -10,20 +10,26 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from planner.constraints.network import ConstraintNetworkManager, Inconsistency
+from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
+from planner.domains import Interval
 from planner.extraction import extract
+from planner.language.builder import ModelBuilder
 from planner.plan import FlexiblePlan
 from planner.planning import plan
-from planner.search.chronological import Limits, search
+from planner.search.culprits import Culprits
 from planner.search.decisions import Codesignate, Decision, Insert
+from planner.search.engines import ENGINES
 from planner.search.flaws import OpenToken
+from planner.search.outcome import Limits
 from planner.tokens.instance import GuardInstance
+from planner.tokens.token import Token
 from tests.planner.search.ground import Oracle, Small, model_of, problem_of, random_small, schedules, violations
 
 LIMITS = Limits(max_steps=3000, max_seconds=20)
 
 
-def solve(small: Small) -> tuple[FlexiblePlan | None, bool, set[str], bool]:
+def solve(small: Small, engine: str = "chronological") -> tuple[FlexiblePlan | None, bool, set[str], bool]:
     """The plan, whether the search space was exhausted, the facts' identifiers, whether tokens stayed open."""
     problem = problem_of(small)
     database = PlanDatabase(model_of(small), problem.horizon)
@@ -36,7 +42,7 @@ def solve(small: Small) -> tuple[FlexiblePlan | None, bool, set[str], bool]:
         database.network.propagate()
     except Inconsistency:
         return None, True, set(), False
-    outcome = search(database, LIMITS)
+    outcome = ENGINES[engine].search(database, LIMITS, None, None)
     if not outcome.complete:
         return None, outcome.exhausted, set(), False
     found = extract(database)
@@ -45,11 +51,11 @@ def solve(small: Small) -> tuple[FlexiblePlan | None, bool, set[str], bool]:
     return found, False, facts, bool(database.tokens.open_tokens)
 
 
-def disagreements(seeds: range) -> Iterator[tuple[int, str]]:
+def disagreements(seeds: range, engine: str = "chronological") -> Iterator[tuple[int, str]]:
     """Every seed with what came of it: agreement by kind, or what is wrong."""
     for seed in seeds:
         small = random_small(random.Random(seed))
-        found, exhausted, facts, still_open = solve(small)
+        found, exhausted, facts, still_open = solve(small, engine)
         if found is not None:
             wrong = [v for at in schedules(found) for v in violations(small, found, at, facts)]
             if still_open:
@@ -66,8 +72,9 @@ def disagreements(seeds: range) -> Iterator[tuple[int, str]]:
             yield seed, "WRONG: incomplete" if verdict else "impossible"
 
 
-def test_search_against_the_oracle() -> None:
-    results = list(disagreements(range(350)))
+@pytest.mark.parametrize("engine", ENGINES)
+def test_search_against_the_oracle(engine: str) -> None:
+    results = list(disagreements(range(350), engine))
     assert not [r for r in results if r[1].startswith("WRONG")]
     counts = Counter(kind for _, kind in results)
     assert counts["solved"] > 80
@@ -128,10 +135,44 @@ def test_after_a_failure_the_database_is_as_before() -> None:
         except Inconsistency:
             continue
         names = [t.name for t in database.tokens.tokens]
-        outcome = search(database, LIMITS)
+        outcome = ENGINES["chronological"].search(database, LIMITS, None, None)
         if not outcome.complete:
             checked += 1
             assert [t.name for t in database.tokens.tokens] == names
             assert database.trail.depth == 0
             assert all(OpenToken(t).token.state == 0 for t in database.tokens.tokens)
     assert checked > 5
+
+
+def _only_who_asked(culprits: Culprits, token: Token) -> list[object]:
+    return [token.owner]
+
+
+def _nothing(culprits: Culprits, instance: object) -> list[object]:
+    return []
+
+
+@pytest.mark.parametrize(("name", "careless"), [("_behind_openings", _only_who_asked), ("_behind_instance", _nothing)])
+def test_a_jump_too_far_is_seen(
+    monkeypatch: pytest.MonkeyPatch, name: str, careless: Callable[..., list[object]]
+) -> None:
+    monkeypatch.setattr(Culprits, name, careless)
+    assert any(kind.startswith("WRONG") for _, kind in disagreements(range(150), "backjumping"))
+
+
+def test_backjumping_does_not_try_what_is_beside_the_point() -> None:
+    """Free variables before an unsatisfiable core: their alternatives cannot help."""
+    steps = {}
+    for engine in ENGINES:
+        database = PlanDatabase(ModelBuilder("core", STANDARD).finish(), (0, 1))
+        names = [*(f"free{n}" for n in range(8)), "x", "y", "z"]
+        variables = {name: database.network.variable(name, Interval(0, 1), name) for name in names}
+        for one, other in (("x", "y"), ("y", "z"), ("x", "z")):
+            database.tokens.require("neq", (variables[one], variables[other]), "core")
+        for variable in variables.values():
+            database.tokens.must_be_decided(variable)
+        database.network.propagate()
+        outcome = ENGINES[engine].search(database, LIMITS, None, None)
+        assert outcome.exhausted
+        steps[engine] = outcome.steps
+    assert steps == {"chronological": 1022, "backjumping": 10}

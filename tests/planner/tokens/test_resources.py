@@ -13,10 +13,11 @@ from planner.database import PlanDatabase
 from planner.errors import ModelError
 from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
+from planner.plan import ORIGIN, Bounds
 from planner.planning import plan
 from planner.problem import Goal, Problem, TokenPattern
 from planner.search.chronological import Limits
-from planner.tokens.resources import Clash, ResourceProfile
+from planner.tokens.resources import Clash, Resource
 
 HORIZON = (0, 7)
 CAPACITY = 3
@@ -69,17 +70,23 @@ def unsound(seed: int) -> str | None:
     if result.dropped or not possible:
         return None if possible == (not result.dropped) else f"{tasks}: possible is {possible}, {result.dropped}"
     ids = {t.goal: t.id for t in result.plan.tokens}
-    orders = [(c.from_, c.to, c.min) for c in result.plan.constraints if c.min is not None and "origin" not in c.from_]
     allowed = 0
     for starts in schedules(tasks):
-        at = {}
+        at = {ORIGIN: 0}
         for n, (start, (_, d, *_)) in enumerate(zip(starts, tasks, strict=True)):
             at[f"{ids[f'task{n}']}.start"], at[f"{ids[f'task{n}']}.end"] = start, start + d
-        if all(at[to] - at[from_] >= least for from_, to, least in orders):
+        if all(_within(at[c.to] - at[c.from_], (c.min, c.max)) for c in result.plan.constraints) and all(
+            _within(at[f"{t.id}.start"], t.start) and _within(at[f"{t.id}.end"], t.end) for t in result.plan.tokens
+        ):
             allowed += 1
             if not fits(tasks, starts):
                 return f"{tasks}: the plan allows {starts}"
     return None if allowed else f"{tasks}: the plan has no schedule"
+
+
+def _within(value: int, bounds: Bounds) -> bool:
+    low, high = bounds
+    return (low is None or low <= value) and (high is None or value <= high)
 
 
 def test_every_schedule_of_every_plan_fits() -> None:
@@ -87,18 +94,18 @@ def test_every_schedule_of_every_plan_fits() -> None:
 
 
 def test_a_blind_detection_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ResourceProfile, "clash", lambda profile: None)
+    monkeypatch.setattr(Resource, "clash", lambda resource: None)
     assert any(unsound(seed) for seed in range(60))
 
 
 def test_a_clash_found_too_late_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = ResourceProfile.clash
+    whole = Resource.clash
 
-    def only_pairs(profile: ResourceProfile) -> Clash | None:
-        found = whole(profile)
-        return found if found is not None and len(found.tokens) == 2 else None
+    def only_pairs(resource: Resource) -> Clash | None:
+        found = whole(resource)
+        return found if found is not None and len(found.transactions) == 2 else None
 
-    monkeypatch.setattr(ResourceProfile, "clash", only_pairs)
+    monkeypatch.setattr(Resource, "clash", only_pairs)
     assert any(unsound(seed) for seed in range(250))
 
 
@@ -126,11 +133,11 @@ def test_an_undecided_quantity_is_bounded_by_what_is_left() -> None:
         database.state(TokenPattern("Reusable.uses", None, {}, (1, 1), (3, 3)), "free", "goal"),
     ]
     for token in tokens:
-        database.tokens.activate(token)
+        database.tokens.activate(token, "test")
     database.network.propagate()
     assert tokens[1].parameters["quantity"].domain.upper == 1
 
 
 def test_a_resource_needs_a_capacity() -> None:
-    with pytest.raises(ModelError, match="object power of class Reusable: a resource needs a value for .* 'capacity'"):
+    with pytest.raises(ModelError, match=r"a resource needs a value for its member 'capacity'"):
         PlanDatabase(model(None), HORIZON)

@@ -1,4 +1,4 @@
-"""Rule instances: guards fire when decided and are withdrawn by undo, alternatives, members, what merged tokens share."""
+"""Rule instances: guards fire when decided, undo withdraws them; alternatives, members, what merged tokens share."""
 
 from __future__ import annotations
 
@@ -137,6 +137,38 @@ def test_a_parameter_of_a_subgoal_equals_this_ones() -> None:
 def test_a_rule_that_names_what_is_not_there(statement: Statement, message: str) -> None:
     with pytest.raises(ModelError, match=message):
         active(guarded(statement))
+
+
+SHORT = (Ref(("duration",)), Constant(3))
+
+
+@pytest.mark.parametrize("test", ["eq", "neq", "leq", "lt"])
+@pytest.mark.parametrize("blocked", ["b", "c"])
+def test_a_guard_on_times_is_decided_by_the_search(test: str, blocked: str) -> None:
+    """A flexible plan leaves the duration open, but all its schedules are on the side of the test planned for."""
+    holds = {"eq": lambda d: d == 3, "neq": lambda d: d != 3, "leq": lambda d: d <= 3, "lt": lambda d: d < 3}[test]
+    with_c = Subgoal("contained_by", ("C", "c"), "beside")
+    database = PlanDatabase(guarded(Guard(test, SHORT, (NEED_B,), (with_c,))), (0, 50))
+    token = database.state(TokenPattern("A.a"), "goal", "goal")
+    # Only half of the horizon is free for what one of the branches needs.
+    database.state(TokenPattern(f"{blocked.upper()}.{blocked}", start=(0, 0), end=(60, 60)), "fact", "fact")
+    database.state(TokenPattern(f"{blocked.upper()}.{blocked}", start=(60, 60), end=(61, 61)), "later", "fact")
+    database.network.propagate()
+    assert search(database, Limits()).complete
+    asked = {t.predicate.name for t in database.tokens.tokens if t.role == "subgoal"}
+    low, high = database.temporal.distance(token.start.timepoint, token.end.timepoint)
+    assert {holds(d) for d in range(low, high + 1)} == {asked == {"b"}}
+    assert asked in ({"b"}, {"c"})
+
+
+def test_a_guard_between_times_of_two_tokens_is_decided_by_the_search() -> None:
+    order = Guard("leq", (Ref(("held", "end")), Ref(("next", "end"))), (Require("eq", (Ref(("level",)), Constant(1))),))
+    database = PlanDatabase(guarded(NEED_B, NEED_C, order), (0, 50))
+    token = database.state(TokenPattern("A.a", parameters={"level": (2, 3)}, end=(10, 20)), "goal", "goal")
+    database.network.propagate()
+    assert search(database, Limits()).complete
+    held, following = (t for t in database.tokens.tokens if t.master is token)
+    assert database.temporal.distance(following.end.timepoint, held.end.timepoint)[0] >= 1
 
 
 # Alternatives

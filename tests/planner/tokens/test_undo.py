@@ -53,7 +53,8 @@ def operations(database: PlanDatabase, rng: random.Random) -> Iterator[Decision]
     found: list[Decision] = [d for f in flaws for d in _some(f.decisions(database), rng)]
     found += [Reject(t) for t in tokens if t.role == "rejectable"]
     if len(database.tokens.tokens) > 1:
-        found.append(Order(*rng.sample(database.tokens.tokens, 2)))
+        first, second = rng.sample(database.tokens.tokens, 2)
+        found.append(Order(first.end, second.start))
     rng.shuffle(found)
     yield from found[:3]
 

@@ -1,0 +1,389 @@
+"""From statements of NDDL to statements of configuration constraints, names and arities checked on the way.
+
+An expression becomes the variables and constraints that it needs: the result of a function whose procedure has it
+first is a local variable that no search decides. A difference of two timepoints becomes a temporal distance, which the
+temporal network knows exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from planner.domains import Interval
+from planner.errors import ModelError, nearest
+from planner.language.nddl.comparisons import Difference, difference
+from planner.language.nddl.errors import Complaint, Position, Report
+from planner.language.nddl.scope import Scope, StateMeaning, TokenMeaning, ValueMeaning, VariableMeaning
+from planner.language.nddl.symbols import Symbols
+from planner.language.nddl.syntax import (
+    Assignment,
+    Binary,
+    Call,
+    Choice,
+    Constraint,
+    Declaration,
+    Expression,
+    ForEach,
+    If,
+    Name,
+    New,
+    Number,
+    Range,
+    Relation,
+    Requirement,
+    Statement,
+    Text,
+    TokenReference,
+    Truth,
+    Unary,
+)
+from planner.language.nddl.values import Literals
+from planner.model import rules
+from planner.model.manager import ModelManager
+from planner.model.relations import distances
+
+SINGLETON_TESTS = ("isSingleton", "isSpecified")
+RESULT_LAST = {"+": "addEq", "*": "mulEq", "/": "divEq"}
+FUNCTIONS = {"max": "eqMaximum", "min": "eqMinimum"} | {
+    name: name for name in ("abs", "pow", "sqrt", "mod", "floor", "ceil", "rand", "sin")
+}
+COMPARISONS = {"==": "eq", "!=": "neq", "<": "lt", "<=": "leq", ">": "lt", ">=": "leq"}
+TESTS = {"==": "testEq", "!=": "testNeq", "<": "testLessThan", "<=": "testLeq", ">": "testLessThan", ">=": "testLeq"}
+MIRRORED = (">", ">=")
+
+
+class Translator:
+    """Translates the statements of one body; `out` are the statements so far."""
+
+    def __init__(self, symbols: Symbols, model: ModelManager, report: Report, scope: Scope) -> None:
+        self.symbols = symbols
+        self.model = model
+        self.report = report
+        self.scope = scope
+        self.literals = Literals(symbols, model)
+        self.out: list[rules.Statement] = []
+        self._count = 0
+
+    def body(self, statements: Sequence[Statement]) -> tuple[rules.Statement, ...]:
+        """The statements of a body; those that are wrong are complained about and left out."""
+        for statement in statements:
+            self.statement(statement)
+        return tuple(self.out)
+
+    def statement(self, statement: Statement) -> None:
+        """Translate one statement; what is wrong with it goes to the report."""
+        try:
+            translate = self._TRANSLATE.get(type(statement))
+            if translate is None:
+                kind = type(statement).__name__.lower()
+                raise Complaint(statement.at, f"a statement of this kind ({kind}) cannot stand here")
+            translate(self, statement)
+        except Complaint as complaint:
+            self.report.complain(complaint)
+
+    def inner(self, statements: Sequence[Statement], scope: Scope) -> tuple[rules.Statement, ...]:
+        """The statements of a body inside this one."""
+        return Translator(self.symbols, self.model, self.report, scope).body(statements)
+
+    # Statements
+
+    def _declaration(self, node: Declaration) -> None:
+        self.symbols.check_type(node.type, node.at)
+        for variable in node.variables:
+            self.scope.add(variable.name, node.type)
+            value = variable.value
+            domain = self.initial_domain(node.type, value) if value is not None else None
+            type_: Any = node.type if domain is None else domain
+            self.out.append(rules.Local(variable.name, type_, not node.filter_only))
+            if value is not None and domain is None:
+                self.require("eq", (Name((variable.name,), at=variable.at), value), variable.at)
+
+    def initial_domain(self, type_: str, value: Expression) -> Any | None:
+        """The domain of a variable of a type with a literal as its initial value; None when it is none."""
+        base = self.literals.domain_of_type(type_)
+        if isinstance(value, Range):
+            return base.intersect(self.literals.interval(value, self.literals.is_real(type_)))
+        if isinstance(value, Choice):
+            choice = self.literals.choice(value, type_)
+            return choice.intersect(base) if isinstance(base, Interval) else base.intersect(choice)
+        return None
+
+    def _assignment(self, node: Assignment) -> None:
+        self.require("eq", (node.target, node.value), node.at)
+
+    def _constraint(self, node: Constraint) -> None:
+        self.require(node.call.function, node.call.arguments, node.at)
+
+    def require(self, name: str, arguments: Sequence[Expression], at: Position) -> None:
+        """A constraint by name over arguments."""
+        procedures = self.model.procedures
+        if name not in procedures:
+            known = procedures.names()
+            raise Complaint(at, f"there is no constraint, relation or function named {name!r}{nearest(name, known)}")
+        try:
+            procedures.get(name).check_scope(len(arguments))
+        except ModelError as error:
+            raise Complaint(at, str(error)) from None
+        real = any(self.is_real(argument) for argument in arguments)
+        scope = tuple(self.expression(argument, real) for argument in arguments)
+        self.out.append(rules.Require(name, scope))
+
+    def _requirement(self, node: Requirement) -> None:
+        self.holds(node.expression)
+
+    def holds(self, node: Expression) -> None:
+        """Require that an expression is true."""
+        if isinstance(node, Binary):
+            if node.operator == "&&":
+                self.holds(node.left)
+                self.holds(node.right)
+                return
+            if node.operator in COMPARISONS:
+                self._compare(node)
+                return
+        elif isinstance(node, Call):
+            if node.function not in SINGLETON_TESTS:
+                self.require(node.function, node.arguments, node.at)
+            else:
+                self.truth(node)
+            return
+        self.out.append(rules.Require("eq", (self.truth(node), rules.Constant(True))))
+
+    def _compare(self, node: Binary) -> None:
+        real = self.is_real(node.left) or self.is_real(node.right)
+        found = self.difference(node)
+        if found is not None:
+            interval = Interval(found.lower, found.upper)
+            scope = (found.from_, rules.Constant(domain=interval), found.to)
+            self.out.append(rules.Require("temporalDistance", scope))
+            return
+        if node.operator == "==" and isinstance(node.left, Binary) and node.left.operator in RESULT_LAST:
+            left = node.left
+            scope = (self.expression(left.left, real), self.expression(left.right, real))
+            result = self.expression(node.right, real)
+            self.out.append(rules.Require(RESULT_LAST[left.operator], (*scope, result)))
+            return
+        pair = self.expression(node.left, real), self.expression(node.right, real)
+        ordered = pair[::-1] if node.operator in MIRRORED else pair
+        self.out.append(rules.Require(COMPARISONS[node.operator], ordered))
+
+    def difference(self, node: Binary) -> Difference | None:
+        """The temporal distance that a comparison says, if it says one."""
+        return difference(node, self._timepoint, self._number)
+
+    def _timepoint(self, node: Name) -> rules.Ref | None:
+        found = self.scope.meaning(node.path, node.at)
+        return found.ref if isinstance(found, VariableMeaning) and found.is_timepoint else None
+
+    def _number(self, node: Expression) -> tuple[float, float] | None:
+        if isinstance(node, Range):
+            interval = self.literals.interval(node, False)
+            return interval.lower, interval.upper
+        value = self.literals.value(node) if not isinstance(node, Name) else None
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return value, value
+        return None
+
+    def _relation(self, node: Relation) -> None:
+        bounds = tuple(self.bounds_of(one.lower, one.upper) for one in node.bounds)
+        try:
+            distances(node.relation, bounds)
+        except ModelError as error:
+            raise Complaint(node.at, str(error)) from None
+        origin = node.origin or "this"
+        if node.origin is not None:
+            self.token(node.origin, node.at)
+        elif self.scope.own is None:
+            raise Complaint(node.at, f"outside of a rule, write which token {node.relation} is about: t1 {node.relation} t2;")
+        for target in node.targets:
+            self._relate(node.relation, origin, bounds, target)
+
+    def bounds_of(self, lower: Expression, upper: Expression) -> tuple[float, float]:
+        """The bounds of a relation as numbers."""
+        interval = self.literals.interval(Range(lower, upper, at=lower.at), False)
+        return interval.lower, interval.upper
+
+    def _relate(
+        self, relation: str, origin: str, bounds: tuple[tuple[float, float], ...], target: TokenReference
+    ) -> None:
+        name = target.name if not target.path else target.path[0] if len(target.path) == 1 else None
+        known = name is not None and (not target.path or target.name is None) and self._is_token(name, target.at)
+        if known and name is not None:
+            self.out.append(rules.Relate(relation, origin, name, bounds))
+            return
+        if not target.path:
+            self.token(target.name or "", target.at)  # complains
+        predicate, owner = self.scope.predicate_of(target.path, target.at)
+        name = target.name or self.fresh(predicate[1])
+        self.scope.add(name, predicate)
+        if origin == "this" and self.scope.own is not None:
+            self.out.append(rules.Subgoal(relation, predicate, name, owner, bounds))
+        else:
+            self.out.append(rules.Subgoal("any", predicate, name, owner))
+            self.out.append(rules.Relate(relation, origin, name, bounds))
+
+    def _is_token(self, name: str, at: Position) -> bool:
+        return isinstance(self.scope.first(name, at), TokenMeaning)
+
+    def token(self, name: str, at: Position) -> TokenMeaning:
+        """The token of a name; a complaint when it is none."""
+        found = self.scope.first(name, at)
+        if not isinstance(found, TokenMeaning):
+            hint = nearest(name, self.scope.visible())
+            raise Complaint(at, f"expected a token, found {name!r}, which is none{hint}")
+        return found
+
+    def fresh(self, base: str) -> str:
+        """A name that nothing has."""
+        self._count += 1
+        depth, scope = 0, self.scope
+        while scope.outer is not None:
+            depth, scope = depth + 1, scope.outer
+        return f"{base}_{depth}_{self._count}" if depth else f"{base}_{self._count}"
+
+    def _if(self, node: If) -> None:
+        then = self.inner(node.then, self.scope.inner())
+        otherwise = self.inner(node.otherwise, self.scope.inner())
+        test, positive = node.test, True
+        while isinstance(test, Unary) and test.operator == "!":
+            test, positive = test.operand, not positive
+        procedure, scope = self.test(test)
+        if not positive:
+            then, otherwise = otherwise, then
+        self.out.append(rules.Guard(procedure, scope, then, otherwise))
+
+    def test(self, node: Expression) -> tuple[str, tuple[rules.Expression, ...]]:
+        """The test of a guard as a procedure and its arguments."""
+        if isinstance(node, Call) and node.function in SINGLETON_TESTS:
+            one = self.expression(self._only_argument(node))
+            return "eq", (one, one)
+        if isinstance(node, Binary) and node.operator in COMPARISONS:
+            real = self.is_real(node.left) or self.is_real(node.right)
+            pair = self.expression(node.left, real), self.expression(node.right, real)
+            return COMPARISONS[node.operator], pair[::-1] if node.operator in MIRRORED else pair
+        if isinstance(node, Name):
+            found = self.scope.meaning(node.path, node.at)
+            if isinstance(found, VariableMeaning) and self.symbols.base(found.type) != "bool":
+                return "eq", (found.ref, found.ref)
+        return "eq", (self.truth(node), rules.Constant(True))
+
+    def _only_argument(self, node: Call) -> Expression:
+        if len(node.arguments) != 1:
+            raise Complaint(node.at, f"{node.function}: expected 1 argument, found {len(node.arguments)}")
+        return node.arguments[0]
+
+    def _for_each(self, node: ForEach) -> None:
+        over = self.scope.meaning(node.over.path, node.over.at)
+        cls = self.symbols.class_of(over.type) if isinstance(over, VariableMeaning) else None
+        if cls is None or not isinstance(over, VariableMeaning):
+            raise Complaint(node.over.at, f"foreach: expected an object variable, found {str(node.over)!r}")
+        scope = self.scope.inner()
+        scope.add(node.name, cls)
+        self.out.append(rules.ForEach(node.name, over.ref, self.inner(node.body, scope)))
+
+    # Expressions
+
+    def is_real(self, node: Expression) -> bool:
+        """Whether an expression is a variable of a real type."""
+        if not isinstance(node, Name):
+            return isinstance(node, Binary) and (self.is_real(node.left) or self.is_real(node.right))
+        found = self.scope.meaning(node.path, node.at)
+        return isinstance(found, VariableMeaning) and self.literals.is_real(found.type)
+
+    def expression(self, node: Expression, real: bool = False) -> rules.Expression:
+        """The variable or constant of an expression, made with the statements that it needs."""
+        if isinstance(node, Name):
+            return self._name(node)
+        if isinstance(node, Number | Text | Truth):
+            return rules.Constant(self.literals.value(node))
+        if isinstance(node, Range):
+            return rules.Constant(domain=self.literals.interval(node, real))
+        if isinstance(node, Choice):
+            return rules.Constant(domain=self.literals.choice(node))
+        if isinstance(node, New):
+            raise Complaint(node.at, "objects are created by declarations and constructors only")
+        value = self.literals.value(node)
+        if value is not None:
+            return rules.Constant(value)
+        if isinstance(node, Binary) and node.operator in ("+", "-", "*", "/"):
+            return self._arithmetic(node, real)
+        if isinstance(node, Unary) and node.operator == "-":
+            return rules.Apply("neg", (self.expression(node.operand, real),))
+        if isinstance(node, Call) and node.function not in SINGLETON_TESTS:
+            return self._function(node)
+        return self.truth(node)
+
+    def _name(self, node: Name) -> rules.Expression:
+        found = self.scope.meaning(node.path, node.at)
+        if isinstance(found, VariableMeaning):
+            return found.ref
+        if isinstance(found, ValueMeaning):
+            if found.enumeration is None:
+                return rules.Constant(found.value)
+            return rules.Constant(domain=self.literals.enumerated(found.value, found.enumeration))
+        if isinstance(found, StateMeaning):
+            message = "the state of a token is a decision of the planner: goal, rejectable, fact, activate() and the like set it"
+            raise Complaint(node.at, message, unsupported=True)
+        raise Complaint(node.at, f"{str(node)!r} is a token, expected a variable of it")
+
+    def _arithmetic(self, node: Binary, real: bool) -> rules.Expression:
+        left, right = self.expression(node.left, real), self.expression(node.right, real)
+        if node.operator != "-":
+            return rules.Apply(RESULT_LAST[node.operator], (left, right))
+        result = self._result("float", "difference")
+        self.out.append(rules.Require("addEq", (result, right, left)))
+        return result
+
+    def _function(self, node: Call) -> rules.Expression:
+        procedure = FUNCTIONS.get(node.function)
+        if procedure is None:
+            known = [*FUNCTIONS, *SINGLETON_TESTS]
+            raise Complaint(node.at, f"there is no function named {node.function!r}{nearest(node.function, known)}")
+        result = self._result("float", node.function)
+        scope = (result, *(self.expression(argument) for argument in node.arguments))
+        try:
+            self.model.procedures.get(procedure).check_scope(len(scope))
+        except ModelError:
+            found = len(node.arguments)
+            raise Complaint(node.at, f"function {node.function}: {found} is a wrong number of arguments") from None
+        self.out.append(rules.Require(procedure, scope))
+        return result
+
+    def truth(self, node: Expression) -> rules.Expression:
+        """The boolean variable of an expression."""
+        if isinstance(node, Truth | Name | Number):
+            return self.expression(node)
+        if isinstance(node, Unary) and node.operator == "!":
+            return self._reified("testNot", (self.truth(node.operand),))
+        if isinstance(node, Call) and node.function in SINGLETON_TESTS:
+            return self._reified("testSingleton", (self.expression(self._only_argument(node)),))
+        if isinstance(node, Binary) and node.operator in ("&&", "||"):
+            pair = self.truth(node.left), self.truth(node.right)
+            return self._reified("testAnd" if node.operator == "&&" else "testOr", pair)
+        if isinstance(node, Binary) and node.operator in TESTS:
+            real = self.is_real(node.left) or self.is_real(node.right)
+            pair = self.expression(node.left, real), self.expression(node.right, real)
+            return self._reified(TESTS[node.operator], pair[::-1] if node.operator in MIRRORED else pair)
+        raise Complaint(node.at, "expected something that is true or false")
+
+    def _reified(self, procedure: str, scope: tuple[rules.Expression, ...]) -> rules.Expression:
+        result = self._result("bool", "truth")
+        self.out.append(rules.Require(procedure, (result, *scope)))
+        return result
+
+    def _result(self, type_: str, what: str) -> rules.Ref:
+        name = self.fresh(f"${what}")
+        self.scope.add(name, type_)
+        self.out.append(rules.Local(name, type_, decide=False))
+        return rules.Ref((name,))
+
+    _TRANSLATE: dict[type, Callable[[Translator, Any], None]] = {
+        Declaration: _declaration,
+        Assignment: _assignment,
+        Constraint: _constraint,
+        Requirement: _requirement,
+        Relation: _relation,
+        If: _if,
+        ForEach: _for_each,
+    }

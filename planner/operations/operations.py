@@ -1,0 +1,277 @@
+"""`Operations`: the operations in force on a plan database, and how one of them is undone.
+
+Each operation in force has a level of the trail, so that undoing the newest is undoing its level. Undoing an earlier
+one undoes the levels down to its own and issues the later operations again, each to a fixpoint.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from planner.constraints.network import AnyVariable, Inconsistency
+from planner.database import PlanDatabase
+from planner.domains import Domain
+from planner.errors import nearest
+from planner.model.classes import ModelObject
+from planner.operations.order import Lineup
+from planner.operations.statements import Codesignation, Insertion, Operation, Restriction, Statement
+from planner.tokens.token import GIVEN, Token, TokenState
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A new operation that is inconsistent with those in force. `explanation`: what together makes it impossible."""
+
+    statement: Statement
+    explanation: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        """False, as an operation is true."""
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """A level of the trail: the operation that opened it, and the latest one that had been issued when it did."""
+
+    operation: Operation
+    turn: int
+
+
+class Operations:
+    """The operations on a database in which a problem has been stated and propagated.
+
+    The database changes only through this object as long as it is used. ValueError for what makes no sense now, such
+    as inserting a token that is not open; a `Refusal` for what is inconsistent.
+    """
+
+    def __init__(self, database: PlanDatabase) -> None:
+        self.database = database
+        self._floor = database.trail.depth
+        self._levels: list[_Level] = []
+        self._issued: list[Operation] = []
+        self._count = 0
+        self._lineups: dict[tuple[str, str], Lineup] = {}
+
+    # What there is
+
+    @property
+    def issued(self) -> tuple[Operation, ...]:
+        """The operations that were issued and not undone, in order of issue."""
+        return tuple(self._issued)
+
+    @property
+    def in_force(self) -> tuple[Operation, ...]:
+        """Those that act on the plan, in order of issue."""
+        return tuple(o for o in self._issued if o.depth is not None)
+
+    @property
+    def dormant(self) -> tuple[Operation, ...]:
+        """Those that wait for a token or a host to come back, in order of issue."""
+        return tuple(o for o in self._issued if o.depth is None)
+
+    def open_tokens(self) -> tuple[str, ...]:
+        """The paths of the tokens that are neither inserted nor codesignated."""
+        return tuple(token.name for token in self.database.tokens.open_tokens.values())
+
+    def openings(self, token: str) -> tuple[tuple[str, ...], tuple[tuple[str, int], ...]]:
+        """Where an open token could go as far as bounds can tell: hosts, and (object, position) of empty slots."""
+        found = self._token(token)
+        hosts, places = self.database.tokens.openings(found)
+        return tuple(h.name for h in hosts), tuple((thing.name, position) for thing, position in places)
+
+    # The operations
+
+    def insert(self, token: Token | str, object_: ModelObject | str, position: int = 0) -> Operation | Refusal:
+        """Give an open token a slot of its own: before the token at `position` of the object's timeline."""
+        found, thing = self._open(token), self._object(object_)
+        if found.predicate.exogenous and found.role not in GIVEN:
+            raise ValueError(f"{found.name}: no plan brings about {found.predicate.full_name}, expected a host")
+        if thing not in found.object.domain:
+            raise ValueError(f"{found.name}: expected one of {found.object.domain!r}, found {thing}")
+        attribute = found.predicate.attribute if found.kind == "timeline" else ""
+        operation = self._new(Insertion(found.name, thing.name, attribute))
+        if attribute:
+            sequence = self.database.tokens.timelines[thing, found.predicate.attribute].sequence
+            if not 0 <= position <= len(sequence):
+                raise ValueError(f"{found.name}: expected a position from 0 to {len(sequence)}, found {position}")
+            before = sequence[position - 1].placed_by if position else None
+            assert before is None or isinstance(before, Operation)
+            self._lineups.setdefault((thing.name, attribute), Lineup()).enter(operation, before)
+        return self._issue(operation)
+
+    def codesignate(self, token: Token | str, host: Token | str) -> Operation | Refusal:
+        """Let an open token be one with an active one of the same predicate."""
+        found, other = self._open(token), self._token(host)
+        if other.state is not TokenState.ACTIVE:
+            raise ValueError(f"{other.name}: expected an active host, found {other.state.name.lower()}")
+        predicate = found.predicate
+        if predicate is not other.predicate or predicate.solitary or found.must_host:
+            raise ValueError(f"{found.name}: cannot be one with {other!r}")
+        return self._issue(self._new(Codesignation(found.name, other.name)))
+
+    def restrict(self, variable: AnyVariable, domain: Domain) -> Operation | Refusal:
+        """Restrict a variable of a token or of a rule to a domain."""
+        tokens = self.database.tokens
+        if tokens.variables.get(variable.name) is variable:
+            return self._issue(self._new(Restriction("", variable.name, domain)))
+        path, _, name = variable.name.rpartition(".")
+        token = tokens.by_name.get(path)
+        if token is None or token.variable(name) is not variable:
+            raise ValueError(f"{variable.name}: expected a variable of a token or of a rule, with a name of its own")
+        return self._issue(self._new(Restriction(path, name, domain)))
+
+    def undo(self, operation: Operation) -> None:
+        """Make the plan that of the other operations."""
+        if operation not in self._issued:
+            raise ValueError(f"{operation!r}: expected an operation that is not undone")
+        self._issued.remove(operation)
+        self._leave(operation)
+        if operation.depth is not None:
+            self._replay(operation.depth)
+
+    # Levels
+
+    def _new(self, statement: Statement) -> Operation:
+        if self.database.trail.depth != self._floor + len(self._levels):
+            raise ValueError("levels of the trail were opened or closed by others")
+        return Operation(self._count + 1, statement)
+
+    def _issue(self, operation: Operation) -> Operation | Refusal:
+        self._count = operation.number
+        if self._enter(operation):
+            self._issued.append(operation)
+            self._retry()
+            return operation
+        self._leave(operation)
+        return Refusal(operation.statement, operation.reason)
+
+    def _replay(self, depth: int) -> None:
+        """Undo the levels from a depth on and issue their operations again, but those that were undone."""
+        place = depth - self._floor
+        turn = self._levels[place].turn
+        for level in self._levels[place:]:
+            level.operation.depth = None
+        del self._levels[place:]
+        self.database.trail.pop_to(depth)
+        last, self._count = self._count, turn
+        self._retry()
+        for operation in self._issued:
+            if operation.number > turn:
+                self._count = operation.number
+                if operation.depth is None and self._is_ready(operation):
+                    self._enter(operation)
+                self._retry()
+        self._count = last
+
+    def _retry(self) -> None:
+        """Bring back what can come back, in order of issue, until nothing changes."""
+        again = True
+        while again:
+            again = False
+            for operation in self._issued:
+                if operation.number > self._count:
+                    break
+                if operation.depth is None and self._is_ready(operation):
+                    again |= self._enter(operation)
+
+    def _enter(self, operation: Operation) -> bool:
+        """Bring an operation into force on a level of its own; False, and the reason, if it is inconsistent."""
+        database = self.database
+        depth = database.trail.push()
+        try:
+            self._apply(operation)
+            database.network.propagate()
+        except Inconsistency as inconsistency:
+            operation.reason = tuple(dict.fromkeys(map(str, database.network.explain(inconsistency))))
+            database.trail.pop_to(depth)
+            return False
+        operation.depth, operation.reason = depth, ()
+        self._levels.append(_Level(operation, self._count))
+        return True
+
+    # Single operations
+
+    def _is_ready(self, operation: Operation) -> bool:
+        """Whether what the operation speaks of is there."""
+        tokens, statement = self.database.tokens, operation.statement
+        if isinstance(statement, Restriction):
+            return self._variable(statement) is not None
+        token = tokens.by_name.get(statement.token)
+        if token is None or token.state is not TokenState.INACTIVE:
+            return False
+        if isinstance(statement, Insertion):
+            return True
+        host = tokens.by_name.get(statement.host)
+        return host is not None and host.state is TokenState.ACTIVE
+
+    def _apply(self, operation: Operation) -> None:
+        tokens, statement = self.database.tokens, operation.statement
+        if isinstance(statement, Restriction):
+            variable = self._variable(statement)
+            assert variable is not None
+            self.database.network.restrict(variable, statement.domain, operation)
+            return
+        token = tokens.by_name[statement.token]
+        if isinstance(statement, Codesignation):
+            tokens.merge(token, tokens.by_name[statement.host], operation)
+            return
+        thing = self._object(statement.object)
+        self.database.network.restrict(token.object, tokens.domain_of_object(thing), operation)
+        if token.kind == "timeline":
+            tokens.insert(token, self._position(operation, token), operation)
+        else:
+            tokens.activate(token, operation)
+
+    def _position(self, operation: Operation, token: Token) -> int:
+        """The place in the sequence: after the nearest predecessor that is there."""
+        sequence = self.database.tokens.timeline_of(token).sequence
+        lineup = self._lineup(operation)
+        assert lineup is not None
+        before = lineup.predecessor(operation)
+        if before is None:
+            return 0
+        assert isinstance(before.statement, Insertion)
+        return sequence.index(self.database.tokens.by_name[before.statement.token]) + 1
+
+    def _lineup(self, operation: Operation) -> Lineup | None:
+        statement = operation.statement
+        if isinstance(statement, Insertion) and statement.attribute:
+            return self._lineups[statement.object, statement.attribute]
+        return None
+
+    def _leave(self, operation: Operation) -> None:
+        """An operation that is no more has no place among the insertions of its timeline."""
+        lineup = self._lineup(operation)
+        if lineup is not None:
+            lineup.leave(operation)
+
+    def _variable(self, statement: Restriction) -> AnyVariable | None:
+        tokens = self.database.tokens
+        if not statement.token:
+            return tokens.variables.get(statement.variable)
+        token = tokens.by_name.get(statement.token)
+        return None if token is None else token.variable(statement.variable)
+
+    # Names
+
+    def _token(self, token: Token | str) -> Token:
+        """The token of a name, or a token that is the one of its name."""
+        name = token if isinstance(token, str) else token.name
+        found = self.database.tokens.by_name.get(name)
+        if found is None or (found is not token and not isinstance(token, str)):
+            raise ValueError(f"{name!r}: expected the name of a single token of the plan")
+        return found
+
+    def _open(self, token: Token | str) -> Token:
+        found = self._token(token)
+        if found.state is not TokenState.INACTIVE:
+            raise ValueError(f"{found.name}: expected an open token, found it {found.state.name.lower()}")
+        return found
+
+    def _object(self, object_: ModelObject | str) -> ModelObject:
+        objects = self.database.model.objects
+        name = object_ if isinstance(object_, str) else object_.name
+        if name not in objects:
+            raise ValueError(f"{name!r}: there is no object of that name{nearest(name, objects)}")
+        return objects[name]

@@ -1,0 +1,67 @@
+"""What an operation says, in terms of names, and the handle by which it is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from planner.domains import Domain
+
+
+@dataclass(frozen=True, slots=True)
+class Insertion:
+    """A token becomes active on an object. `attribute`: the one on whose timeline it gets a slot, or "" when it needs
+    none."""
+
+    token: str
+    object: str
+    attribute: str
+
+    def __repr__(self) -> str:
+        return f"insert {self.token} on {self.object}" + (f".{self.attribute}" if self.attribute else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Codesignation:
+    """A token is one with a host that has a slot."""
+
+    token: str
+    host: str
+
+    def __repr__(self) -> str:
+        return f"codesignate {self.token} with {self.host}"
+
+
+@dataclass(frozen=True, slots=True)
+class Restriction:
+    """A variable is within a domain. `token`: the path of the token whose variable it is; "": a rule's own variable,
+    which `variable` names in full."""
+
+    token: str
+    variable: str
+    domain: Domain
+
+    def __repr__(self) -> str:
+        where = f"{self.token}." if self.token else ""
+        return f"restrict {where}{self.variable} to {self.domain!r}"
+
+
+Statement = Insertion | Codesignation | Restriction
+
+
+class Operation:
+    """An operation that was issued and not undone: the owner of what it posts, so that explanations can name it.
+
+    `number`: its place in the order of issue. `depth`: the level of the trail that it opened, None while dormant.
+    `reason`: why it is dormant although its tokens are there, otherwise empty.
+    """
+
+    __slots__ = ("depth", "number", "reason", "statement")
+
+    def __init__(self, number: int, statement: Statement) -> None:
+        self.number = number
+        self.statement = statement
+        self.depth: int | None = None
+        self.reason: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return repr(self.statement)

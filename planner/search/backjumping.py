@@ -1,0 +1,145 @@
+"""Dependency-directed backtracking (Stallman and Sussman 1977) as conflict-directed backjumping (Prosser 1993).
+
+When a flaw's decisions are exhausted, the search goes back to the newest decision that had a part in it, not to the
+newest one. A problem without a solution is so often proven without trying the alternatives of what is beside the point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from time import perf_counter
+
+from planner.constraints.network import Inconsistency
+from planner.database import PlanDatabase
+from planner.search.collector import patient_collector
+from planner.search.culprits import Culprits
+from planner.search.decisions import Decision
+from planner.search.flaws import Flaw, next_flaw
+from planner.search.outcome import Acceptance, Description, Limits, Outcome
+
+
+@dataclass(slots=True)
+class _Frame:
+    """A flaw under resolution. `conflict`: the places of the decisions that spoilt those tried so far."""
+
+    flaw: Flaw
+    decisions: Iterator[Decision]
+    depth: int
+    conflict: set[int] = field(default_factory=set)
+
+
+def search(
+    database: PlanDatabase,
+    limits: Limits,
+    accept: Acceptance | None = None,
+    describe: Description | None = None,
+) -> Outcome:
+    """Complete the partial plan in the database, which is at a propagated fixpoint.
+
+    On success the database holds the plan; otherwise it is as before.
+    """
+    with patient_collector():
+        return _Search(database, limits, accept, describe).run()
+
+
+class _Search:
+    def __init__(
+        self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
+    ) -> None:
+        self.database = database
+        self.max_steps = limits.max_steps
+        self.deadline = perf_counter() + limits.max_seconds
+        self.accept = accept
+        self.describe = describe
+        self.outcome = Outcome()
+        self.stack: list[_Frame] = []
+        self.places: dict[int, int] = {}
+        self.chosen: list[Decision] = []
+        self.culprits = Culprits(database, self.places)
+
+    def run(self) -> Outcome:
+        bottom = self.database.trail.push()
+        while True:
+            found = next_flaw(self.database)
+            if found is None:
+                if self.accept is None or self.accept(self.database):
+                    self.outcome.complete = True
+                    return self.outcome
+                self.outcome.note(len(self.stack), lambda: "a complete plan was refused")
+                going_on = self.jump(self.culprits.everything())
+            else:
+                flaw, decisions = found
+                if not decisions:
+                    self.outcome.note(len(self.stack), partial("nothing resolves {!r}".format, flaw))
+                self.stack.append(_Frame(flaw, iter(decisions), self.database.trail.depth))
+                going_on = True
+            if not going_on or not self.advance():
+                self.outcome.exhausted = not self.stack
+                self.database.trail.pop_to(bottom)
+                return self.outcome
+
+    def advance(self) -> bool:
+        """Take the next consistent decision, jumping back as far as needed; False at the end of search or of limits."""
+        while self.stack:
+            frame = self.stack[-1]
+            decision = next(frame.decisions, None)
+            if decision is None:
+                if not self.jump(frame.conflict | self.culprits.of_flaw(frame.flaw), leave=frame):
+                    return False
+                continue
+            if self.outcome.steps >= self.max_steps or perf_counter() > self.deadline:
+                return False
+            self.outcome.steps += 1
+            spoilt_by = self.attempt(decision, len(self.stack) - 1)
+            if spoilt_by is None:
+                return True
+            if len(self.stack) - 1 not in spoilt_by:
+                # It fails whatever is decided here.
+                if not self.jump(spoilt_by, leave=frame):
+                    return False
+            else:
+                frame.conflict |= spoilt_by - {len(self.stack) - 1}
+        return False
+
+    def attempt(self, decision: Decision, place: int) -> set[int] | None:
+        """Apply a decision; None when it is consistent, else the places of the culprits, with the decision undone."""
+        depth = self.database.trail.push()
+        self.places[id(decision)] = place
+        self.chosen.append(decision)
+        try:
+            decision.apply(self.database)
+            return None
+        except Inconsistency as inconsistency:
+            owners = self.database.network.explain(inconsistency)
+            describe = self.describe
+            if describe is not None:
+                self.outcome.note(len(self.stack), lambda: describe(owners))
+            culprits = self.culprits.of(owners)
+            self.forget(place)
+            self.database.trail.pop_to(depth)
+            self.outcome.backtracks += 1
+            return culprits
+
+    def jump(self, conflict: set[int], leave: _Frame | None = None) -> bool:
+        """Go back to the newest place in the conflict, undoing its decision; False when there is none: no solution."""
+        if leave is not None:
+            conflict = conflict - {len(self.stack) - 1}
+        if not conflict:
+            self.stack.clear()
+            return False
+        target = max(conflict)
+        del self.stack[target + 1 :]
+        frame = self.stack[target]
+        self.forget(target)
+        self.database.trail.pop_to(frame.depth)
+        self.outcome.backtracks += 1
+        frame.conflict |= conflict - {target}
+        return True
+
+    def forget(self, place: int) -> None:
+        """The decisions from a place on are not in force any more."""
+        for decision in self.chosen[place:]:
+            del self.places[id(decision)]
+        del self.chosen[place:]

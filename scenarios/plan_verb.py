@@ -1,0 +1,177 @@
+"""What `remote-agent plan` does: an NDDL file in, a flexible plan or the reason why there is none out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Literal
+
+from planner.constraints.network import Inconsistency, Owner
+from planner.constraints.standard import STANDARD
+from planner.database import PlanDatabase
+from planner.errors import ModelError, ProblemError
+from planner.extraction import extract
+from planner.language.nddl.builder import load
+from planner.language.nddl.errors import Complaint, Report, UnsupportedError
+from planner.language.nddl.program import Program
+from planner.model.manager import ModelManager
+from planner.plan import FlexiblePlan
+from planner.search.chronological import Limits, Outcome, search
+from planner.search.collector import patient_collector
+
+DEFAULT_HORIZON = (0, 1000)
+"""For a file that gives none, as ticks."""
+FEWEST_STEPS = 1000
+"""A smaller limit in a file is read as this: how steps are counted differs from planner to planner."""
+ENGINES = ("chronological",)
+
+Verdict = Literal["solved", "unsolvable", "limit"]
+
+
+@dataclass(frozen=True, slots=True)
+class PlanAnswer:
+    """The answer. `verdict`: solved; unsolvable, which is proven; or limit, when the limits came first.
+
+    `conflict`: the statements and rules that stood in the way. `model`, `plan`: as objects, for whoever goes on.
+    """
+
+    verdict: Verdict
+    engine: str
+    plan: FlexiblePlan | None
+    model: ModelManager
+    tokens: int
+    objects: int
+    timelines: int
+    constraints: int
+    steps: int
+    backtracks: int
+    load_seconds: float
+    solve_seconds: float
+    reason: str | None = None
+    conflict: tuple[str, ...] = ()
+    rejected: tuple[str, ...] = ()
+
+    @property
+    def solved(self) -> bool:
+        """There is a plan."""
+        return self.verdict == "solved"
+
+    def to_json(self) -> dict[str, Any]:
+        """What `--json` prints."""
+        return {
+            "solved": self.solved,
+            "verdict": self.verdict,
+            "engine": self.engine,
+            "tokens": self.tokens,
+            "objects": self.objects,
+            "timelines": self.timelines,
+            "constraints": self.constraints,
+            "steps": self.steps,
+            "backtracks": self.backtracks,
+            "load_seconds": round(self.load_seconds, 6),
+            "solve_seconds": round(self.solve_seconds, 6),
+            "reason": self.reason,
+            "conflict": list(self.conflict),
+            "rejected": list(self.rejected),
+        }
+
+
+def plan_file(
+    path: Path,
+    *,
+    engine: str = "chronological",
+    horizon: tuple[int, int] | None = None,
+    max_seconds: float = 60.0,
+    max_steps: int | None = None,
+    include: Sequence[Path] = (),
+) -> PlanAnswer:
+    """Plan the problem of an NDDL file.
+
+    NddlError (bad input, with file, line and column of all that is wrong) for a text that is no model; UnsupportedError
+    where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be.
+    """
+    if engine not in ENGINES:
+        raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}")
+    with patient_collector():
+        started = perf_counter()
+        model, program, report = load(path, STANDARD, include)
+        span = horizon or program.horizon or DEFAULT_HORIZON
+        if span[0] >= span[1]:
+            raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")
+        planning = _Planning(model, program, report, span, engine)
+        return planning.run(_limits(program, max_seconds, max_steps), started)
+
+
+def _limits(program: Program, max_seconds: float, max_steps: int | None) -> Limits:
+    if max_steps is None:
+        max_steps = Limits().max_steps if program.max_steps is None else max(program.max_steps, FEWEST_STEPS)
+    return Limits(max_steps, max_seconds)
+
+
+class _Planning:
+    def __init__(
+        self, model: ModelManager, program: Program, report: Report, horizon: tuple[int, int], engine: str
+    ) -> None:
+        self.model = model
+        self.program = program
+        self.report = report
+        self.engine = engine
+        try:
+            self.database = PlanDatabase(model, horizon)
+        except ModelError as error:
+            raise ProblemError(str(error)) from error
+
+    def run(self, limits: Limits, started: float) -> PlanAnswer:
+        database = self.database
+        outcome = Outcome()
+        loaded = solving = 0.0
+        conflict: list[Owner] = []
+        try:
+            self.program.carry_out(database, self.report)
+            loaded = perf_counter()
+            outcome = search(database, limits, describe=_described)
+        except Inconsistency as inconsistency:
+            conflict = database.network.explain(inconsistency)
+            outcome.exhausted = True
+        solving = perf_counter()
+        loaded = loaded or solving
+        return self.answer(outcome, conflict, loaded - started, solving - loaded)
+
+    def answer(self, outcome: Outcome, conflict: list[Owner], load: float, solve: float) -> PlanAnswer:
+        plan = extract(self.database) if outcome.complete else None
+        verdict: Verdict = "solved" if plan is not None else "unsolvable" if outcome.exhausted else "limit"
+        reason = None if plan is not None else _reason(outcome, conflict)
+        rejected = [t.name for t in self.database.tokens.tokens if t.state.name == "REJECTED"]
+        return PlanAnswer(
+            verdict=verdict,
+            engine=self.engine,
+            plan=plan,
+            model=self.model,
+            tokens=len(plan.tokens) if plan is not None else len(self.database.tokens.tokens),
+            objects=len(self.model.objects),
+            timelines=len(self.database.tokens.timelines),
+            constraints=len(plan.constraints) if plan is not None else 0,
+            steps=outcome.steps,
+            backtracks=outcome.backtracks,
+            load_seconds=load,
+            solve_seconds=solve,
+            reason=reason,
+            conflict=tuple(dict.fromkeys(map(str, conflict))),
+            rejected=tuple(rejected),
+        )
+
+
+def _described(owners: Sequence[Owner]) -> str:
+    return "; ".join(dict.fromkeys(map(str, owners)))
+
+
+def _reason(outcome: Outcome, conflict: Sequence[Owner]) -> str:
+    if conflict:
+        return "the initial state is inconsistent: " + _described(conflict)
+    verdict = "no plan exists" if outcome.exhausted else f"no plan found within the limits ({outcome.steps} steps)"
+    return verdict if outcome.conflict is None else f"{verdict}; in conflict: {outcome.conflict[1]}"
+
+
+__all__ = ["Complaint", "PlanAnswer", "UnsupportedError", "plan_file"]

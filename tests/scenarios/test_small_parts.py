@@ -1,0 +1,94 @@
+"""Flight rules, times and words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scenarios.flight_rules import FLIGHT_RULES, RuleWatch
+from scenarios.recording.boards import HeaderLane
+from scenarios.times import clock, seconds_of
+from scenarios.words import Reasons, in_words
+from sim import Spacecraft, SpacecraftConfig
+
+PLANTED: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("no-thrust-while-exposing", {"micas.state": "exposing", "ips.state": "thrusting"}),
+    ("no-turn-while-exposing", {"micas.state": "exposing", "acs.state": "slewing"}),
+    ("bus-voltage", {"power.bus": "undervoltage"}),
+    ("battery-floor", {"battery.soc": 0.39}),
+    ("wheel-speed", {"wheels.speed_3_rad_s": -625.0}),
+)
+
+
+@pytest.fixture(scope="module")
+def healthy() -> dict[str, Any]:
+    return dict(Spacecraft(SpacecraftConfig(), 0).telemetry())
+
+
+def test_every_rule_is_planted() -> None:
+    assert {rule.name for rule in FLIGHT_RULES} == {name for name, _ in PLANTED}
+
+
+@pytest.mark.parametrize(("name", "changes"), PLANTED)
+def test_a_broken_rule_is_caught_from_its_first_to_its_last_second(
+    healthy: dict[str, Any], name: str, changes: dict[str, Any]
+) -> None:
+    watch = RuleWatch()
+    for second in range(20):
+        watch.look(second, healthy | changes if second in (5, 6, 7, 12, 19) else healthy)
+    found = [(v.rule, v.start, v.end) for v in watch.violations()]
+    assert found == [(name, 5, 7), (name, 12, 12), (name, 19, 19)]
+
+
+def test_half_of_a_condition_breaks_nothing(healthy: dict[str, Any]) -> None:
+    watch = RuleWatch()
+    for changes in ({"micas.state": "exposing"}, {"ips.state": "thrusting"}, {"acs.state": "slewing"}):
+        watch.look(0, healthy | changes)
+    assert watch.violations() == ()
+
+
+@settings(max_examples=200, derandomize=True)
+@given(st.integers(0, 10**9 - 1))
+def test_a_clock_reads_back(seconds: int) -> None:
+    assert seconds_of(clock(seconds)) == seconds
+    assert seconds_of(f"{seconds}s") == seconds
+    hours, rest = divmod(seconds, 3600)
+    assert seconds_of(f"{hours}h{rest // 60}m{rest % 60}s") == seconds
+
+
+@pytest.mark.parametrize("text", ["", " ", "h", "3h20", "1:2", "00:61", "3 hours", "-3", "1.5h", None, True, 2.0, []])
+def test_what_is_no_time(text: object) -> None:
+    if text == "3h20":
+        assert seconds_of(text) == 3 * 3600 + 20
+        return
+    with pytest.raises(ValueError, match="expected seconds or a time"):
+        seconds_of(text)
+
+
+def test_a_plan_is_given_up_for_what_was_concluded_then() -> None:
+    reasons, raw = Reasons(), "unconfirmed: start: x not confirmed"
+    reasons.tell({"t": 4, "event": "fault.detected", "text": "something older"})
+    reasons.tell({"t": 5, "event": "standby.entered", "reason": "late: not ended after 9 s"})
+    reasons.tell({"t": 9, "event": "fault.detected", "text": "the switch is stuck"})
+    reasons.tell({"t": 9, "event": "standby.entered", "reason": raw})
+    assert reasons.say(raw) == "the switch is stuck"
+    assert reasons.say("late: not ended after 9 s") == "something took too long: not ended after 9 s"
+    assert in_words("initial") == "the first plan"
+    assert in_words("whatever: it was") == "whatever: it was"
+
+
+def test_a_fault_is_handled_once_a_plan_that_knew_of_it_takes_over() -> None:
+    header = HeaderLane()
+    header.fault_injected(10, "a")
+    header.fault_injected(11, "b")
+    header.fault_detected(20, "a", "a is broken")
+    header.requested(21, "a is broken")
+    header.fault_detected(22, "b", "b is broken")
+    header.handed_over(30, "plan-02")
+    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: detected, b is broken")]
+    header.requested(31, "b is broken")
+    header.handed_over(40, "plan-03")
+    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: handled by plan-03")]
