@@ -13,18 +13,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.temporal.controllability import DispatchableNetwork
+from executive import _dispatch_kernel as kernel
+from planner.temporal.controllability import DispatchableNetwork, check
+from planner.temporal.stnu import Stnu
 
-IntArray = NDArray[np.int64]
 Choice = Literal["earliest", "latest"] | Mapping[int, int]
 
-# Beyond every time, and far enough from the ends of int64 that an edge may be added to it.
-_NEVER = 1 << 62
+_NEVER = kernel.NEVER
 
 
 class Window(NamedTuple):
@@ -56,34 +56,49 @@ class Violation:
     out_of_order: tuple[int, ...] = ()
 
 
+@cache
+def prepare() -> None:
+    """Compile what decides, or load what was compiled, so that no decision has to wait for it."""
+    network = check(Stnu.from_ticks("abcd", [(0, 1, 1, 2, True), (1, 2, 0, 5, False), (3, 1, 1, 9, False)])).network
+    assert network is not None
+    dispatcher = Dispatcher(network)
+    dispatcher.next_decision(0)
+    for timepoint, time in ((0, 0), (3, 0), (1, 1), (2, 1)):
+        dispatcher.happened(timepoint, time)
+
+
 class Dispatcher:
     """The execution of one network so far. An event costs its neighbours, a decision one pass over the timepoints."""
 
     def __init__(self, network: DispatchableNetwork) -> None:
         n = len(network.timepoints)
         self._network = network
-        self._time = np.full(n, _NEVER)
-        self._lower = np.full(n, -_NEVER)
-        self._upper = np.full(n, _NEVER)
         edges, waits, contingents = network.edges, network.waits, network.contingents
-        self._leaving, self._entering, self._waiting = network.leaving, network.entering, network.waiting
-        self._by_target = network.by_target
+        self._graph = (edges, network.leaving, network.by_target, network.entering)
+        self._waits, self._waiting = waits, network.waiting
+        self._state = state = np.zeros((kernel.ROWS, n), dtype=np.int64)
+        state[kernel.TIME] = state[kernel.UPPER] = _NEVER
+        state[kernel.LOWER] = state[kernel.WAITED] = state[kernel.WISH] = -_NEVER
         # How many negative edges and waits lead from each timepoint to one that has not happened.
-        self._blocked = np.bincount(edges[edges[:, 2] < 0, 0], minlength=n) + np.bincount(waits[:, 1], minlength=n)
+        state[kernel.BLOCKED] = np.bincount(edges[edges[:, 2] < 0, 0], minlength=n)
+        state[kernel.BLOCKED] += np.bincount(waits[:, 1], minlength=n)
+        state[kernel.OPEN] = 1
+        state[kernel.OPEN, contingents[:, 1]] = 0
         self._wait_end = np.full(len(waits), -_NEVER)
         self._by_waiter = np.argsort(waits[:, 1], kind="stable")
-        self._waiters, self._first_wait = np.unique(waits[self._by_waiter, 1], return_index=True)
-        self._waited = np.full(n, -_NEVER)
-        self._open = np.ones(n, dtype=np.bool_)
-        self._open[contingents[:, 1]] = False
+        self._of_waiter = np.searchsorted(waits[self._by_waiter, 1], np.arange(n + 1))
         self._activates: dict[int, list[int]] = {}
         for number, (activation, *_) in enumerate(contingents.tolist()):
             self._activates.setdefault(activation, []).append(number)
         self._ends = {end: number for number, end in enumerate(contingents[:, 1].tolist())}
-        self._changed: list[IntArray] = [np.empty(0, dtype=np.int64)]
+        self._wishes: Choice = {}
+        self._chosen = np.empty(n, dtype=np.int64)
+        self._touched = np.empty(2 * n + len(waits), dtype=np.int64)
+        self._changed: set[int] = set()
 
     def __repr__(self) -> str:
-        return f"Dispatcher({np.count_nonzero(self._time != _NEVER)} of {len(self._time)} timepoints have happened)"
+        happened = np.count_nonzero(self._state[kernel.TIME] != _NEVER)
+        return f"Dispatcher({happened} of {self._state.shape[1]} timepoints have happened)"
 
     @property
     def network(self) -> DispatchableNetwork:
@@ -93,17 +108,17 @@ class Dispatcher:
     @property
     def narrowed(self) -> tuple[int, ...]:
         """The timepoints yet to come whose window the last event changed, ascending."""
-        touched = np.unique(np.concatenate(self._changed))
-        return tuple(touched[self._time[touched] == _NEVER].tolist())
+        times = self._state[kernel.TIME]
+        return tuple(node for node in sorted(self._changed) if times[node] == _NEVER)
 
     @property
     def finished(self) -> bool:
         """Whether every timepoint has happened."""
-        return not (self._time == _NEVER).any()
+        return not (self._state[kernel.TIME] == _NEVER).any()
 
     def time(self, timepoint: int) -> int | None:
         """When the timepoint happened, None if it has not."""
-        time = int(self._time[timepoint])
+        time = int(self._state[kernel.TIME, timepoint])
         return None if time == _NEVER else time
 
     def is_natural(self, timepoint: int) -> bool:
@@ -112,7 +127,7 @@ class Dispatcher:
 
     def enabled(self) -> tuple[int, ...]:
         """The timepoints that nothing yet to come must precede, the natural ones left out, ascending."""
-        return tuple(np.nonzero(self._open & (self._blocked == 0))[0].tolist())
+        return tuple(np.nonzero((self._state[kernel.OPEN] != 0) & (self._state[kernel.BLOCKED] == 0))[0].tolist())
 
     def window(self, timepoint: int) -> Window:
         """When the timepoint may happen, by the neighbours that have happened and its waits; exact once it is enabled.
@@ -123,8 +138,9 @@ class Dispatcher:
         return Window(known, known) if known is not None else self._window(timepoint)
 
     def _window(self, timepoint: int) -> Window:
-        earliest = max(int(self._lower[timepoint]), int(self._waited[timepoint]))
-        latest = int(self._upper[timepoint])
+        state = self._state
+        earliest = max(int(state[kernel.LOWER, timepoint]), int(state[kernel.WAITED, timepoint]))
+        latest = int(state[kernel.UPPER, timepoint])
         return Window(None if earliest == -_NEVER else earliest, None if latest == _NEVER else latest)
 
     def next_decision(self, now: int, choice: Choice = "earliest") -> Decision | None:
@@ -133,21 +149,21 @@ class Dispatcher:
         `choice`: each timepoint as early or as late as its window allows, or as near as it allows to a preferred time
         (ticks by timepoint; those without one go early). One whose window has no end goes early too.
         """
-        candidates = np.nonzero(self._open & (self._blocked == 0))[0]
-        if not len(candidates):
+        how = kernel.WISHED
+        if isinstance(choice, str):
+            how = kernel.LATEST if choice == "latest" else kernel.EARLIEST
+        elif choice is not self._wishes:
+            self._wish(choice)
+        found, time, deadline = kernel.decide(self._state, now, how, self._chosen)
+        if not found:
             return None
-        earliest = np.maximum(self._lower[candidates], self._waited[candidates])
-        latest = self._upper[candidates]
-        due = earliest
-        if choice == "latest":
-            due = np.where(latest == _NEVER, earliest, np.maximum(earliest, latest))
-        elif choice != "earliest":
-            wished = np.array([choice.get(node, -_NEVER) for node in candidates.tolist()])
-            due = np.maximum(earliest, np.minimum(latest, wished))
-        deadline = int(latest.min())
-        time = max(now, int(due.min()))
-        chosen = candidates[due <= time]
-        return Decision(time, tuple(chosen.tolist()), None if deadline == _NEVER else deadline)
+        return Decision(int(time), tuple(self._chosen[:found].tolist()), None if deadline == _NEVER else int(deadline))
+
+    def _wish(self, choice: Mapping[int, int]) -> None:
+        self._wishes = choice
+        self._state[kernel.WISH] = -_NEVER
+        for node, time in choice.items():
+            self._state[kernel.WISH, node] = time
 
     def execute(self, timepoint: int, time: int) -> Violation | None:
         """The executive performed the timepoint at `time`. ValueError if it had happened or is nature's."""
@@ -162,17 +178,25 @@ class Dispatcher:
 
         Propagates to the neighbours in any case. ValueError if it had happened before.
         """
-        if self._time[timepoint] != _NEVER:
-            known = int(self._time[timepoint])
+        state = self._state
+        if state[kernel.TIME, timepoint] != _NEVER:
+            known = int(state[kernel.TIME, timepoint])
             raise ValueError(f"{self._network.timepoints[timepoint]}: happened at {known}, told again at {time}")
         violation = self._violation(timepoint, time)
-        self._time[timepoint] = time
-        self._open[timepoint] = False
-        self._changed = changed = self._propagate(timepoint, time)
+        touched = self._touched
+        count = kernel.propagate(state, timepoint, time, *self._graph, touched)
+        self._changed = set(touched[:count].tolist())
         for number in self._activates.get(timepoint, ()):
-            changed.append(self._begin_waits(number, time))
-        if timepoint in self._ends:
-            changed.append(self._end_waits(self._ends[timepoint]))
+            rows = int(self._waiting[number]), int(self._waiting[number + 1])
+            end = int(self._network.contingents[number, 1])
+            count = kernel.begin_waits(state, self._waits, self._wait_end, *rows, end, time, touched)
+            self._changed.update(touched[:count].tolist())
+        if (ended := self._ends.get(timepoint)) is not None:
+            rows = int(self._waiting[ended]), int(self._waiting[ended + 1])
+            count = kernel.end_waits(
+                state, self._waits, self._wait_end, *rows, self._by_waiter, self._of_waiter, touched
+            )
+            self._changed.update(touched[:count].tolist())
         return violation
 
     def slack_if(self, timepoint: int, time: int) -> int:
@@ -180,64 +204,29 @@ class Dispatcher:
 
         Negative: one of them could no longer happen in time. 2**62 where no window would be bounded.
         """
-        upper_of, upper, lower_of, lower = self._bounds_from(timepoint, time)
-        low, high = self._lower.copy(), self._upper.copy()
-        high[upper_of] = np.minimum(high[upper_of], upper)
-        low[lower_of] = np.maximum(low[lower_of], lower)
-        touched = np.concatenate((upper_of, lower_of))
-        touched = touched[(self._time[touched] == _NEVER) & (low[touched] != -_NEVER) & (high[touched] != _NEVER)]
+        edges, leaving, by_target, entering = self._graph
+        after = edges[leaving[timepoint] : leaving[timepoint + 1]]
+        before = by_target[entering[timepoint] : entering[timepoint + 1]]
+        low, high = self._state[kernel.LOWER].copy(), self._state[kernel.UPPER].copy()
+        high[after[:, 1]] = np.minimum(high[after[:, 1]], time + after[:, 2])
+        low[before[:, 0]] = np.maximum(low[before[:, 0]], time - before[:, 2])
+        touched = np.concatenate((after[:, 1], before[:, 0]))
+        open_ended = self._state[kernel.TIME, touched] != _NEVER
+        touched = touched[~open_ended & (low[touched] != -_NEVER) & (high[touched] != _NEVER)]
         return int((high[touched] - low[touched]).min()) if len(touched) else _NEVER
-
-    def _bounds_from(self, timepoint: int, time: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-        """Neighbours with an upper bound from `timepoint` at `time`, these bounds; the same for lower bounds."""
-        network = self._network
-        leaving = network.edges[self._leaving[timepoint] : self._leaving[timepoint + 1]]
-        entering = self._by_target[self._entering[timepoint] : self._entering[timepoint + 1]]
-        return leaving[:, 1], time + leaving[:, 2], entering[:, 0], time - entering[:, 2]
-
-    def _propagate(self, timepoint: int, time: int) -> list[IntArray]:
-        """Narrow the neighbours' windows and unblock those that had to follow; the neighbours that changed."""
-        upper_of, upper, lower_of, lower = self._bounds_from(timepoint, time)
-        lowered, raised = upper_of[upper < self._upper[upper_of]], lower_of[lower > self._lower[lower_of]]
-        self._upper[upper_of] = np.minimum(self._upper[upper_of], upper)
-        self._lower[lower_of] = np.maximum(self._lower[lower_of], lower)
-        self._blocked[lower_of[lower > time]] -= 1
-        return [lowered, raised]
-
-    def _begin_waits(self, contingent: int, time: int) -> IntArray:
-        network = self._network
-        rows = slice(self._waiting[contingent], self._waiting[contingent + 1])
-        waiting, until = network.waits[rows, 1], time - network.waits[rows, 2]
-        self._blocked[waiting] -= 1
-        if self._time[network.contingents[contingent, 1]] != _NEVER:
-            return waiting[:0]
-        changed: IntArray = waiting[until > self._waited[waiting]]
-        self._wait_end[rows] = until
-        self._waited[waiting] = np.maximum(self._waited[waiting], until)
-        return changed
-
-    def _end_waits(self, contingent: int) -> IntArray:
-        network = self._network
-        rows = slice(self._waiting[contingent], self._waiting[contingent + 1])
-        waiting, until = network.waits[rows, 1], self._wait_end[rows]
-        released: IntArray = waiting[(until == self._waited[waiting]) & (until != -_NEVER)]
-        self._wait_end[rows] = -_NEVER
-        if len(released):
-            self._waited[self._waiters] = np.maximum.reduceat(self._wait_end[self._by_waiter], self._first_wait)
-        return released
 
     def _violation(self, timepoint: int, time: int) -> Violation | None:
         window = self._window(timepoint)
         early = window.earliest is not None and time < window.earliest
         late = window.latest is not None and time > window.latest
-        missing = self._missing(timepoint) if self._blocked[timepoint] else ()
+        missing = self._missing(timepoint) if self._state[kernel.BLOCKED, timepoint] else ()
         return Violation(timepoint, time, window, missing) if early or late or missing else None
 
     def _missing(self, timepoint: int) -> tuple[int, ...]:
         """The timepoints that had to happen before this one and have not."""
         network = self._network
-        leaving = network.edges[self._leaving[timepoint] : self._leaving[timepoint + 1]]
+        leaving = network.edges[network.leaving[timepoint] : network.leaving[timepoint + 1]]
         before = leaving[leaving[:, 2] < 0, 1]
         waits = network.waits[network.waits[:, 1] == timepoint, 0]
         before = np.unique(np.concatenate((before, network.contingents[waits, 0])))
-        return tuple(before[self._time[before] == _NEVER].tolist())
+        return tuple(before[self._state[kernel.TIME, before] == _NEVER].tolist())

@@ -42,6 +42,7 @@ class Execution:
         journal: Journal,
         statistics: DispatchStatistics,
     ) -> None:
+        rte.prepare()
         self.plan_id = plan_id
         self._network = network
         self._names = network.stnu.timepoints

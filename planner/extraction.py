@@ -27,7 +27,8 @@ _UNBOUNDED = 1 << 49
 def extract(database: PlanDatabase) -> FlexiblePlan:
     """The flexible plan that the database holds."""
     tokens = [t for t in database.tokens.tokens if t.state in (TokenState.ACTIVE, TokenState.MERGED)]
-    ids = {id(t): f"t{n}" for n, t in enumerate(tokens)}
+    outside = [t for t in database.tokens.tokens if t.state is TokenState.INACTIVE]
+    ids = {id(t): f"t{n}" for n, t in enumerate([*tokens, *outside])}
     merged: dict[int, list[Token]] = {}
     for token in tokens:
         if token.host is not None:
@@ -44,6 +45,7 @@ def extract(database: PlanDatabase) -> FlexiblePlan:
         timelines=tuple(timelines),
         tokens=tuple(_token(database, t, ids, distances) for t in tokens),
         constraints=constraints,
+        boundary=tuple(_token(database, t, ids, distances) for t in outside),
     )
 
 
@@ -63,7 +65,7 @@ def _token(database: PlanDatabase, token: Token, ids: dict[int, str], distances:
         duration = _tighter(duration, distances.get(ids[id(host)], (None, None)))
     return PlanToken(
         id=ids[id(token)],
-        object=token.thing.name,
+        object=token.thing.name if token.object.domain.is_singleton else "",
         attribute=token.predicate.attribute,
         predicate=token.predicate.full_name,
         parameters={name: _value(variable.domain) for name, variable in token.parameters.items()},

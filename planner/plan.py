@@ -7,7 +7,7 @@ A timepoint is named `"<token id>.start"`, `"<token id>.end"`, or `"origin"`, wh
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -69,7 +69,11 @@ class PlanConstraint:
 
 @dataclass(frozen=True)
 class FlexiblePlan:
-    """A complete plan. `constraints` with the tokens' own bounds and durations are its whole temporal network."""
+    """A complete plan. `constraints` with the tokens' own bounds and durations are its whole temporal network.
+
+    `boundary`: what configuration constraints ask for that may still lie wholly outside the horizon; a plan speaks of
+    its horizon only, so these are on no timeline and bind nothing. Their object is empty where it is undecided.
+    """
 
     model: str
     horizon: tuple[int, int]
@@ -77,6 +81,7 @@ class FlexiblePlan:
     timelines: tuple[PlanTimeline, ...]
     tokens: tuple[PlanToken, ...]
     constraints: tuple[PlanConstraint, ...]
+    boundary: tuple[PlanToken, ...] = ()
     _by_id: dict[str, PlanToken] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -107,6 +112,7 @@ class FlexiblePlan:
             "constraints": [
                 {"from": c.from_, "to": c.to, "min": c.min, "max": c.max, "why": c.why} for c in self.constraints
             ],
+            "boundary": [_token_to_json(t) for t in self.boundary],
         }
 
     @classmethod
@@ -116,12 +122,15 @@ class FlexiblePlan:
         if (found := reader.value("format")) != FORMAT:
             raise PlanFormatError(f"plan.format: expected {FORMAT}, found {found!r}")
         tokens = tuple(_token_from_json(entry) for entry in reader.entries("tokens"))
+        boundary = tuple(_token_from_json(entry) for entry in reader.entries("boundary", default=()))
         known = {token.id for token in tokens}
-        if len(known) != len(tokens):
+        if len(known | {token.id for token in boundary}) != len(tokens) + len(boundary):
             raise PlanFormatError("plan.tokens: two tokens have the same id")
-        for number, token in enumerate(tokens):
-            if token.master is not None and token.master not in known:
-                raise PlanFormatError(f"plan.tokens[{number}].master: {token.master!r} is not a token of the plan")
+        for field_name, listed in (("tokens", tokens), ("boundary", boundary)):
+            for number, token in enumerate(listed):
+                if token.master is not None and token.master not in known:
+                    where = f"plan.{field_name}[{number}].master"
+                    raise PlanFormatError(f"{where}: {token.master!r} is not a token of the plan")
         points = {ORIGIN} | {f"{i}.{which}" for i in known for which in ("start", "end")}
         timelines = []
         for entry in reader.entries("timelines"):
@@ -141,7 +150,9 @@ class FlexiblePlan:
         if lower is None or upper is None or lower > upper:
             raise PlanFormatError(f"plan.horizon: expected [start, end] with start <= end, found {[lower, upper]!r}")
         objects = tuple(_Reader(reader.array("objects"), "plan.objects").texts())
-        return cls(reader.text("model"), (lower, upper), objects, tuple(timelines), tokens, tuple(constraints))
+        return cls(
+            reader.text("model"), (lower, upper), objects, tuple(timelines), tokens, tuple(constraints), boundary
+        )
 
     def save(self, path: Path) -> None:
         """Write the plan file."""
@@ -255,7 +266,9 @@ class _Reader:
                 raise PlanFormatError(f"{self.path}[{number}]: expected text, found {entry!r}")
         return self.content
 
-    def entries(self, name: str) -> list[_Reader]:
+    def entries(self, name: str, default: Sequence[object] | None = None) -> list[_Reader]:
+        if default is not None and isinstance(self.content, dict) and name not in self.content:
+            return [_Reader(entry, self.path) for entry in default]
         return [_Reader(entry, f"{self.path}.{name}[{i}]") for i, entry in enumerate(self.array(name))]
 
     def bound(self, name: str) -> Bound:

@@ -20,6 +20,14 @@ from planner.trail import Trail
 Owner = Any
 """Who posted a constraint or restricted a domain: a decision, a rule instance, the problem. Compared by `is`."""
 
+UNBOUNDED = 1 << 49
+"""A timepoint's bound from here on says nothing."""
+FAR = UNBOUNDED + (UNBOUNDED >> 1)
+"""Where the bounds of a timepoint begin, give or take its drift."""
+DRIFT = 1 << 16
+"""Ticks by which the bounds of each new timepoint begin later than those of the one before. Stated order mostly follows
+time, and then an unbounded chain posts in linear time: no new link moves the bounds of all those before it."""
+
 
 class Inconsistency(Exception):  # noqa: N818 - the field's word; it is a signal of search, not a user's error
     """No solution below this point: what was asked for (`because`) leaves a variable, a scope or time without values.
@@ -67,7 +75,7 @@ class TimeVariable:
     def domain(self) -> Domain:
         """The timepoint's bounds."""
         lower, upper = self.temporal.lower(self.timepoint), self.temporal.upper(self.timepoint)
-        return Interval(lower if lower > -INFINITY else -math.inf, upper if upper < INFINITY else math.inf)
+        return Interval(lower if lower > -UNBOUNDED else -math.inf, upper if upper < UNBOUNDED else math.inf)
 
     def __repr__(self) -> str:
         return f"{self.name}={self.domain!r}"
@@ -205,7 +213,9 @@ class ConstraintNetworkManager:
 
     def timepoint(self, name: str, lower: float, upper: float, owner: Owner) -> TimeVariable:
         """A new timepoint within [lower, upper] ticks; bounds that say something are constraints of the owner."""
-        variable = TimeVariable(name, self.temporal.add_timepoint(-INFINITY, INFINITY), self.temporal, owner)
+        drift = min(DRIFT * self.temporal.timepoint_count, UNBOUNDED >> 2)
+        point = self.temporal.add_timepoint(drift - FAR, drift + FAR)
+        variable = TimeVariable(name, point, self.temporal, owner)
         if lower > -math.inf or upper < math.inf:
             self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, owner)
         return variable

@@ -72,6 +72,11 @@ class TemporalNetworkManager:
 
     # Construction and change
 
+    @property
+    def timepoint_count(self) -> int:
+        """How many timepoints there are, the origin included."""
+        return int(self._header[_POINTS])
+
     def add_timepoint(self, lower: int, upper: int) -> int:
         """A new timepoint within `lower .. upper` and the horizon. If that is empty, `propagate` fails from now on."""
         header = self._header

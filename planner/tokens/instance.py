@@ -57,7 +57,7 @@ class RuleInstance:
         self.token = token
         self.parent = parent
         self.cause = cause
-        self.path = path if parent is None else parent.path + path
+        self.path: str = path if parent is None else parent.path + path
         self.names: dict[str, Named] = {}
 
     def find(self, name: str) -> Named | None:

@@ -1,8 +1,8 @@
 """How fast the executive is: the controllability check, a dispatch decision, and the dispatcher's share of a run.
 
-Run as `python -m tests.benchmarks.bench_executive`. `measure` returns what `remote-agent bench executive --json` prints.
-The plans and networks are from fixed seeds. A run is flown with the spacecraft's physics, since that is what its wall
-time is spent on; it is also flown without, where only the executive's own work is left to compare with.
+Run as `python -m tests.benchmarks.bench_executive`; `measure` returns the figures that are printed. Plans and networks
+are from fixed seeds. A run is flown with the spacecraft's physics, since that is what its wall time is spent on; it is
+also flown without, where only the executive's own work is left to compare with.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ import json
 import random
 import time
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
 from executive.bindings import Activity, Bindings, Confirmation, Finish, Send, Standby
 from executive.conditions import Condition
+from executive.dispatcher import prepare
 from executive.executive import Executive
 from executive.journal import Journal
 from executive.network import PlanNetwork
@@ -80,7 +82,7 @@ def big_plan(seed: int = 1) -> tuple[FlexiblePlan, dict[str, int]]:
             row.append(draft.token(line, f"Work.{name}", (least, least + 60), contingent=True, master=first))
         rows.append(row)
     for number in range(TOKENS_A_LANE // 2 - 1):
-        for before, after in zip(rows, rows[1:], strict=False):
+        for before, after in pairwise(rows):
             draft.at(f"{before[number]}.end", f"{after[number + 1]}.start", 0, None, "in order")
             if rng.random() < 0.3:
                 draft.at(f"{before[number]}.start", f"{after[number]}.start", -400, 400, "close together")
@@ -153,6 +155,7 @@ def measure() -> dict[str, object]:
     small, large = lanes(161, 80), lanes(1001, 100)
     rows = [tuple(link) for link in small.links]
     check(small)  # compiled code is loaded at the first call
+    prepare()
     decisions, events = decision_us(large)
     return {
         "dc_check_ms": best_ms(lambda: check(large), 10),

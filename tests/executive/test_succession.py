@@ -303,7 +303,7 @@ def test_a_goal_arrives_mid_plan() -> None:
   6 token.started t4 Attitude.turning(vesta)
   6 command.sent arguments={target: vesta} id=2 name=acs.turn token=t4
   7 token.confirmed t4 Attitude.turning(vesta)
- 12 goal.given contingent=None duration=[None, None] end=[None, None] id=image-ceres object=camera parameters={} predicate=Camera.imaging priority=1 start=[None, None]
+ 12 goal.given id=image-ceres
  12 plan.requested attempt=1 budget=5 handover=26 reason=new goal: image-ceres
  16 token.finished t4 Attitude.turning(vesta) on_time
  16 token.started t5 Attitude.holding(vesta)

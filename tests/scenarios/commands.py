@@ -29,7 +29,7 @@ priority = 5
 [[goals]]
 id = "downlink"
 predicate = "Radio.downlink"
-window = ["1h30m", "3h"]
+window = ["2h", "3h"]
 lasting = "10m"
 
 [[faults]]

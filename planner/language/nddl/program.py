@@ -95,17 +95,19 @@ class _Execution:
 
     def run(self) -> None:
         gone = withdrawn(self.program.statements)
+        # After every statement: in one go at the end, bounds would move back and forth far more often.
+        propagate = self.database.network.propagate
         for statement in self.program.statements:
             if id(statement) in gone:
                 continue
             try:
                 self.statement(statement)
+                propagate()
             except Complaint as complaint:
                 self.report.complain(complaint)
             except ModelError as error:
                 self.report.complain(Complaint(statement.at, str(error)))
         self.report.raise_if_failed()
-        self.database.network.propagate()
         self._members()
         for token, instance in self.goals:
             self._inside(token, instance)

@@ -104,7 +104,7 @@ def compare(expected: dict[str, Any], found: dict[str, Any]) -> None:
 @pytest.mark.parametrize("world", WORLDS)
 def test_undo_is_exact(world: str) -> None:
     undone = failed = 0
-    for seed in range(60):
+    for seed in range(30):
         levels, failures = wander(WORLDS[world](), seed, 30)
         undone, failed = undone + levels, failed + failures
     assert undone > 100

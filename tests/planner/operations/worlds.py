@@ -1,0 +1,127 @@
+"""Stated problems in small models: guards, alternatives, codesignation, loops, resources, object variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from planner.constraints.standard import STANDARD
+from planner.database import PlanDatabase
+from planner.domains import Interval
+from planner.language.builder import ModelBuilder
+from planner.model.manager import ModelManager
+from planner.problem import TokenPattern
+from tests.planner.domains_small import camera_model, rover_model
+
+
+@cache
+def _model(make: Callable[[], ModelManager]) -> ModelManager:
+    """The one model of all databases of a world: operations name values of its domains."""
+    return make()
+
+
+def camera() -> PlanDatabase:
+    """The paper's camera with two pictures to take."""
+    database = PlanDatabase(_model(camera_model), (0, 60))
+    database.state(TokenPattern("Engine.thrust", end=(5, 20)), "thrusting", "state")
+    database.state(TokenPattern("Camera.picture", parameters={"asteroid": "Ida"}), "ida", "goal")
+    database.state(TokenPattern("Camera.picture", end=(None, 40)), "any", "goal")
+    database.state(TokenPattern("Engine.thrust"), "again", "rejectable")
+    database.network.propagate()
+    return database
+
+
+def rovers() -> PlanDatabase:
+    """Two rovers: object variables, members, guards, alternatives, batteries."""
+    database = PlanDatabase(_model(rover_model), (0, 80))
+    database.state(TokenPattern("Rover.at", "rover1", {"site": "base"}), "here", "state")
+    database.state(TokenPattern("Rover.at", "rover2", {"site": ("hill", "base")}), "there", "state")
+    database.state(TokenPattern("Light.sun", start=(10, 10), end=(40, 50)), "day", "fact")
+    database.state(TokenPattern("Rover.sample", parameters={"site": "lake"}), "lake", "goal")
+    database.state(TokenPattern("Rover.sample"), "sample", "rejectable")
+    database.state(TokenPattern("Rover.drive", "rover2"), "drive", "rejectable")
+    database.network.propagate()
+    return database
+
+
+def altern_model() -> ModelManager:
+    """A rover that is at a place, goes, and is at another."""
+    builder = ModelBuilder("altern", STANDARD)
+    place = builder.enumeration("Place", ["Hill", "Rock", "Lander"])
+    rover = builder.timeline("Rover")
+    at = rover.predicate("At", {"place": place}, duration=(1, 1))
+    going = rover.predicate("Going", {"from_": place, "to_": place}, duration=(1, 1))
+    with at.requires() as this:
+        this.meets(going, from_=this.place)
+        this.met_by(going, to_=this.place)
+    with going.requires() as this:
+        this.require(this.from_ != this.to_)
+        this.met_by(at, place=this.from_)
+        this.meets(at, place=this.to_)
+    builder.object("rover", "Rover")
+    return builder.finish()
+
+
+def altern() -> PlanDatabase:
+    """Two places to be at, some steps apart: chains of codesignations."""
+    database = PlanDatabase(_model(altern_model), (10, 18))
+    database.state(TokenPattern("Rover.At", parameters={"place": "Lander"}, start=(10, 10)), "first", "goal")
+    database.state(TokenPattern("Rover.At", parameters={"place": "Rock"}, start=(14, 14)), "last", "goal")
+    database.network.propagate()
+    return database
+
+
+def switches_model() -> ModelManager:
+    """Guards on parameters, on each other's results and on durations; alternatives inside a guard; two rules that name
+    their subgoals alike."""
+    builder = ModelBuilder("switches", STANDARD)
+    colour = builder.enumeration("Colour", ["red", "green", "blue"])
+    line = builder.timeline("Line")
+    show = line.predicate("show", {"colour": colour, "level": Interval(0, 5)}, duration=(1, 12))
+    step = line.predicate("step", {"colour": colour, "other": colour, "size": Interval(0, 5)}, duration=(1, 6))
+    lamp = builder.timeline("Lamp")
+    on = lamp.predicate("on", {"colour": colour}, duration=(2, 20))
+    dim = lamp.predicate("dim", {"level": Interval(0, 5)}, duration=(1, 20))
+    with show.requires() as this:
+        with this.when(this.colour == "red") as red:
+            red.meets(step, colour=this.colour)
+        with this.when(this.colour != "red") as calm:
+            calm.contained_by(on, colour=this.colour)
+            with calm.when(this.level == 2) as two:
+                two.contained_by(dim, level=this.level)
+    with show.requires() as this:
+        this.met_by(step, other=this.colour)
+    with step.requires() as this:
+        this.require(this.colour != this.other)
+        this.require(this.duration == this.size)
+        with this.either() as either:
+            with either.alternative() as one:
+                one.contained_by(on, colour=this.other)
+            with either.alternative() as other:
+                other.contained_by(dim, level=this.size)
+                with other.when(this.other == "blue") as blue:
+                    blue.before(show, bounds=(0, 4), colour=this.other)
+    with on.requires() as this, this.when(this.duration == 7) as seven:
+        seven.before(dim, bounds=(0, 9))
+    for name in ("Line", "Lamp"):
+        for number in (1, 2):
+            builder.object(f"{name.lower()}{number}", name)
+    return builder.finish()
+
+
+def switches() -> PlanDatabase:
+    """Lines and lamps with shows to give."""
+    database = PlanDatabase(_model(switches_model), (0, 50))
+    database.state(TokenPattern("Line.show", "line1", {"colour": ("red", "green")}), "one", "goal")
+    database.state(TokenPattern("Line.show", parameters={"level": 2}), "two", "goal")
+    database.state(TokenPattern("Lamp.on", "lamp1"), "light", "rejectable")
+    database.network.propagate()
+    return database
+
+
+WORLDS: dict[str, Callable[[], PlanDatabase]] = {
+    "camera": camera,
+    "rovers": rovers,
+    "altern": altern,
+    "switches": switches,
+}
