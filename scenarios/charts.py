@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape
+from typing import Any
 
 from scenarios.recording.reading import Plot
 from scenarios.recording.style import DARK_RED, RED, Palette, token_label
@@ -88,7 +89,7 @@ def _lane(lane: Lane, axis: Axis, palette: Palette, y: float) -> Iterator[str]:
 
 def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
     """Vertical lines: faults that occur, faults that are noticed, plans that take over."""
-    kinds = {
+    kinds: dict[str, tuple[str, Callable[[Mapping[str, Any]], str]]] = {
         "fault.injected": ("fault", lambda e: f"{e['name']} occurs"),
         "fault.detected": ("seen", lambda e: f"noticed: {e.get('text') or e.get('diagnosis') or e.get('monitor')}"),
         "plan.adopted": ("plan", lambda e: f"{e['plan']} takes over"),

@@ -93,7 +93,7 @@ def advance_reference(m: Memory, dt_s: float) -> float:
     m[REFERENCE + 1] = pw * x + px * c + py * z - pz * y
     m[REFERENCE + 2] = pw * y - px * z + py * c + pz * x
     m[REFERENCE + 3] = pw * z + px * y - py * x + pz * c
-    return (new - rate) / dt_s
+    return float((new - rate) / dt_s)
 
 
 @compiled

@@ -135,16 +135,22 @@ _TELEMETRY = (
 TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})
 
 # Resolutions are powers of ten: a count divided by counts per unit is then the nearest float to its decimal.
-_COUNTS_PER_UNIT = tuple((row.name, 10.0 ** -round(math.log10(row.resolution))) for row in _TELEMETRY if row.resolution)
+_COUNTS_PER_UNIT: Mapping[str, float] = MappingProxyType(
+    {row.name: 10.0 ** -round(math.log10(row.resolution)) for row in _TELEMETRY if row.resolution}
+)
+
+
+def counts_per_unit(channel: str) -> float:
+    """Counts of an analogue channel's resolution in one of its units."""
+    return _COUNTS_PER_UNIT[channel]
 
 
 def round_telemetry(values: dict[str, TelemetryValue]) -> dict[str, TelemetryValue]:
     """Round every analogue channel of `values`, in place, to its resolution; there is no negative zero."""
-    floor = math.floor
-    for name, counts_per_unit in _COUNTS_PER_UNIT:
-        value = values[name]
-        if value.__class__ is float:
-            values[name] = floor(value * counts_per_unit + 0.5) / counts_per_unit
+    for name, value in values.items():
+        counts = _COUNTS_PER_UNIT.get(name)
+        if counts is not None and value.__class__ is float:
+            values[name] = math.floor(float(value) * counts + 0.5) / counts
     return values
 
 

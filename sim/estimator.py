@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.random import Generator
@@ -91,18 +92,20 @@ class Sensors:
 class Estimator:
     """The filter: starts converged, with errors drawn from the covariance that it starts with."""
 
+    READINGS: ClassVar[Mapping[str, int]] = {"acs.estimate_sigma_rad": law.SIGMA}
+
     def __init__(
         self, config: SpacecraftConfig, generator: Generator, attitude_IB: Quaternion, gyro_bias_rad_s: Memory
     ) -> None:
         self.memory: Memory = np.zeros(law.FILTER_SIZE)
-        self.scratch: Memory = np.zeros(6)
         f = self.memory
         sigma = np.repeat((config.initial_attitude_error_rad, config.initial_bias_error_rad_s), 3)
         drawn = sigma * generator.standard_normal(6)
         f[law.ESTIMATE : law.ESTIMATE + 4] = attitude_IB
         law.turn_estimate(f, float(drawn[0]), float(drawn[1]), float(drawn[2]))
         f[law.BIAS : law.BIAS + 3] = gyro_bias_rad_s + drawn[3:]
-        f[law.COVARIANCE :] = np.diag(sigma**2).ravel()
+        f[law.COVARIANCE : law.COVARIANCE + 36] = np.diag(sigma**2).ravel()
+        f[law.SIGMA] = float(np.linalg.norm(sigma[:3]))
 
     def __repr__(self) -> str:
         return f"Estimator(within {self.sigma_rad:.2g} rad)"
@@ -116,9 +119,4 @@ class Estimator:
     @property
     def sigma_rad(self) -> float:
         """Standard deviation that the filter gives its attitude: root of the sum over the axes."""
-        f, p = self.memory, law.COVARIANCE
-        return math.sqrt(max(0.0, float(f[p] + f[p + 7] + f[p + 14])))
-
-    def telemetry(self) -> dict[str, float]:
-        """How sure it is."""
-        return {"acs.estimate_sigma_rad": self.sigma_rad}
+        return float(self.memory[law.SIGMA])

@@ -25,7 +25,9 @@ NOISE_COLUMNS = 15
 
 # Places in the filter's memory.
 ESTIMATE, BIAS, COVARIANCE = 0, 4, 7
-FILTER_SIZE = COVARIANCE + 36
+SIGMA = COVARIANCE + 36
+SCRATCH = SIGMA + 1
+FILTER_SIZE = SCRATCH + 6
 
 
 @compiled
@@ -133,8 +135,9 @@ def take(f: Memory, x: Memory, hx: float, hy: float, hz: float, residual: float,
 
 
 @compiled
-def correct(f: Memory, s: Memory, sun_I: Memory, x: Memory) -> None:
-    """Take the star tracker's and the Sun sensors' readings; `x` (6) is scratch."""
+def correct(f: Memory, s: Memory, sun_I: Memory) -> None:
+    """Take the star tracker's and the Sun sensors' readings."""
+    x = f[SCRATCH : SCRATCH + 6]
     for k in range(6):
         x[k] = 0.0
     w, a, b, c = f[ESTIMATE], f[ESTIMATE + 1], f[ESTIMATE + 2], f[ESTIMATE + 3]
@@ -165,3 +168,4 @@ def correct(f: Memory, s: Memory, sun_I: Memory, x: Memory) -> None:
             mean = 0.5 * (f[p + 6 * i + k] + f[p + 6 * k + i])
             f[p + 6 * i + k] = mean
             f[p + 6 * k + i] = mean
+    f[SIGMA] = math.sqrt(max(0.0, f[p] + f[p + 7] + f[p + 14]))

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import ModuleType
 
 import numpy as np
@@ -18,6 +19,7 @@ import numpy as np
 from sim import control_law, filter_law
 from sim.components import power, thrusters, wheels, wings
 from sim.control import AttitudeControl
+from sim.dictionary import counts_per_unit
 from sim.environment import Environment
 from sim.errors import SimulationError
 from sim.estimator import Estimator, Sensors
@@ -60,6 +62,21 @@ def unload(e: Memory, r: Memory, w: Memory, dt_s: float) -> None:
 
 
 @compiled
+def actuate(e: Memory, r: Memory, w: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
+    """Give the wanted torque to wheels, thrusters, or both while unloading."""
+    if e[ACTUATORS] == WITH_THRUSTERS:
+        # The drives still compensate their bearings' friction, so that the wheels keep their speed.
+        thrusters.fire(r, dt_s, tx, ty, tz)
+        wheels.allocate(w, dt_s, 0.0, 0.0, 0.0)
+        return
+    if e[ACTUATORS] == UNLOADING:
+        unload(e, r, w, dt_s)
+        t = thrusters.TORQUE
+        tx, ty, tz = tx - r[t], ty - r[t + 1], tz - r[t + 2]
+    wheels.allocate(w, dt_s, tx, ty, tz)
+
+
+@compiled
 def apply_forces(e: Memory, r: Memory, qpos: Memory, applied: Memory) -> None:
     """Engine, thrusters and sunlight as force (inertial axes) and torque (body axes) on the bus."""
     light = -e[SUNLIGHT_N]
@@ -79,42 +96,39 @@ def apply_forces(e: Memory, r: Memory, qpos: Memory, applied: Memory) -> None:
     applied[2] = e[THRUST_I + 2] + fx * xz + fz * zz + light * e[SUN_I + 2]
 
 
+def _places() -> tuple[int, ...]:
+    """Where each memory begins in the block that holds them all."""
+    sizes = (
+        control_law.SIZE,
+        wheels.SIZE,
+        thrusters.SIZE,
+        wings.SIZE,
+        power.SIZE,
+        filter_law.SENSORS_SIZE,
+        filter_law.FILTER_SIZE,
+        SIZE,
+    )
+    return tuple(itertools.accumulate(sizes, initial=0))
+
+
+_C, _W, _R, _G, _P, _S, _F, _E, _END = _places()
+
+
 def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
     """The two halves. numba's cache looks at this file alone: `stamp` makes it notice a change of the others."""
 
     @compiled
-    def before(
-        c: Memory,
-        w: Memory,
-        r: Memory,
-        g: Memory,
-        p: Memory,
-        e: Memory,
-        state: tuple[Memory, Memory, Memory, Memory, Memory, Memory],
-        dt_s: float,
-    ) -> int:
-        qpos, qvel, ctrl, applied, qpos_before, qvel_before = state
+    def before(block: Memory, qpos: Memory, qvel: Memory, ctrl: Memory, applied: Memory, dt_s: float) -> int:
         assert stamp
-        for k in range(13):
-            qpos_before[k] = qpos[k]
-        for k in range(12):
-            qvel_before[k] = qvel[k]
+        c, w, r, g = block[_C:_W], block[_W:_R], block[_R:_G], block[_G:_P]
+        p, e = block[_P:_S], block[_E:_END]
         m = wheels.MOMENTUM
         tx, ty, tz = control_law.step(c, dt_s, w[m], w[m + 1], w[m + 2])
         if not math.isfinite(tx + ty + tz):
             return 1
         if not math.isfinite(e[THRUST_N]):
             return 2
-        if e[ACTUATORS] == WITH_THRUSTERS:
-            # Wheels that keep their speed leave the bus with its own momentum only, and no torque from them.
-            thrusters.fire(r, dt_s, tx, ty, tz)
-            wheels.allocate(w, dt_s, 0.0, 0.0, 0.0)
-        else:
-            if e[ACTUATORS] == UNLOADING:
-                unload(e, r, w, dt_s)
-                t = thrusters.TORQUE
-                tx, ty, tz = tx - r[t], ty - r[t + 1], tz - r[t + 2]
-            wheels.allocate(w, dt_s, tx, ty, tz)
+        actuate(e, r, w, dt_s, tx, ty, tz)
         t = thrusters.TORQUE
         if not math.isfinite(r[t] + r[t + 1] + r[t + 2] + r[thrusters.USED_KG]):
             return 3
@@ -128,23 +142,19 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
         ctrl[4] = ctrl[5] = wing
         apply_forces(e, r, qpos, applied)
         power.step(p, dt_s)
-        return 0 if math.isfinite(p[power.SOC]) else 5
+        if not math.isfinite(p[power.SOC]):
+            return 5
+        for k in range(13):
+            block[_END + k] = qpos[k]
+        for k in range(12):
+            block[_END + 13 + k] = qvel[k]
+        return 0
 
     @compiled
-    def after(
-        c: Memory,
-        w: Memory,
-        p: Memory,
-        e: Memory,
-        s: Memory,
-        f: Memory,
-        state: tuple[Memory, Memory, Memory],
-        noise: Memory,
-        row: int,
-        dt_s: float,
-    ) -> int:
-        qpos, qvel, scratch = state
+    def after(block: Memory, qpos: Memory, qvel: Memory, noise: Memory, row: int, dt_s: float) -> int:
         assert stamp
+        c, w, p = block[_C:_W], block[_W:_R], block[_P:_S]
+        s, f, e = block[_S:_F], block[_F:_E], block[_E:_END]
         total = 0.0
         for k in range(12):
             total += qvel[k]
@@ -158,7 +168,7 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
         if not math.isfinite(s[filter_law.GYRO_TURN] + s[filter_law.TRACKER] + s[filter_law.SUN_READING]):
             return 7
         filter_law.propagate(f, s, dt_s)
-        filter_law.correct(f, s, sun_I, scratch)
+        filter_law.correct(f, s, sun_I)
         if not math.isfinite(f[filter_law.ESTIMATE] + f[filter_law.BIAS] + f[filter_law.COVARIANCE]):
             return 8
         truth = e[USE_TRUTH] != 0.0
@@ -175,6 +185,14 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
     return before, after
 
 
+@compiled
+def read_rounded(block: Memory, places: Memory, counts_per_unit: Memory, out: Memory) -> None:
+    """The values at `places` (whole numbers) to the nearest count; there is no negative zero."""
+    for k in range(len(places)):
+        counts = counts_per_unit[k]
+        out[k] = math.floor(block[int(places[k])] * counts + 0.5) / counts
+
+
 def _stamp() -> str:
     modules: tuple[ModuleType, ...] = (control_law, filter_law, power, thrusters, wheels, wings)
     return hashlib.sha256("".join(map(inspect.getsource, modules)).encode()).hexdigest()
@@ -183,11 +201,10 @@ def _stamp() -> str:
 _BEFORE, _AFTER = _build(_stamp())
 
 
-@dataclass(frozen=True, eq=False)
-class FlightLoop:
-    """The continuous units and the physics that one second of flight takes through the loop."""
+@dataclass(frozen=True, slots=True)
+class Units:
+    """The continuous units that one second of flight takes through the loop, in the order of the block."""
 
-    physics: Physics
     control: AttitudeControl
     wheels: wheels.Wheels
     thrusters: thrusters.Thrusters
@@ -195,57 +212,82 @@ class FlightLoop:
     power: power.Power
     sensors: Sensors
     estimator: Estimator
-    surroundings: Memory
+
+
+class FlightLoop:
+    """Takes units and physics through time. The units' memories become parts of one block, quick to hand over."""
+
+    def __init__(self, physics: Physics, units: Units, surroundings: Memory) -> None:
+        self._physics = physics
+        self._sensors = units.sensors
+        self._block: Memory = np.zeros(_END + 25)
+        starts = (_C, _W, _R, _G, _P, _S, _F)
+        owners = (getattr(units, field.name) for field in fields(units))
+        for owner, start in zip(owners, starts, strict=True):
+            part = self._block[start : start + len(owner.memory)]
+            part[:] = owner.memory
+            owner.memory = part
+        self.surroundings: Memory = self._block[_E:_END]
+        self.surroundings[:] = surroundings
+        physics.remember_in(self._block[_END : _END + 13], self._block[_END + 13 : _END + 25])
+        readings = [
+            (channel, start + place)
+            for unit, start in (
+                (units.control, _C),
+                (units.wheels, _W),
+                (units.thrusters, _R),
+                (units.power, _P),
+                (units.estimator, _F),
+            )
+            for channel, place in unit.READINGS.items()
+        ]
+        self.channels = tuple(channel for channel, _ in readings)
+        self._places = np.array([float(place) for _, place in readings])
+        self._counts_per_unit = np.array([counts_per_unit(channel) for channel in self.channels])
+        self._out = np.zeros(len(readings))
 
     def __repr__(self) -> str:
-        return f"FlightLoop({self.physics!r})"
+        return f"FlightLoop({self._physics!r})"
+
+    def readings(self) -> list[float]:
+        """The analogue values of `channels`, rounded to their resolution."""
+        read_rounded(self._block, self._places, self._counts_per_unit, self._out)
+        values: list[float] = self._out.tolist()
+        return values
 
     def look_around(self, environment: Environment, time_s: float) -> None:
         """Take the Sun's direction and light at `time_s`, and what of them reaches body and wings."""
         e = self.surroundings
         e[SUN_I : SUN_I + 3] = environment.sun_direction_I(time_s)
-        sun_in_body(e, self.physics.qpos_view)
-        plus, minus = self.physics.wing_angles_rad
-        power.observe(self.power.memory, wings.incidence(plus, minus, float(e[SUN_B]), float(e[SUN_B + 2])))
+        self.look_at_balance()
+
+    def look_at_balance(self) -> None:
+        """What reaches the wings now against what the loads draw now."""
+        e, qpos = self.surroundings, self._physics.qpos_view
+        sun_in_body(e, qpos)
+        light = wings.incidence(float(qpos[11]), float(qpos[12]), float(e[SUN_B]), float(e[SUN_B + 2]))
+        power.observe(self._block[_P:_S], light)
 
     def before(self, dt_s: float) -> None:
         """Control, actuators and battery for the next `dt_s`; `SimulationError` when a component gives no number."""
-        status = _BEFORE(
-            self.control.memory,
-            self.wheels.memory,
-            self.thrusters.memory,
-            self.wings.memory,
-            self.power.memory,
-            self.surroundings,
-            self.physics.drive_views,
-            dt_s,
-        )
+        qpos, qvel, ctrl, applied = self._physics.drive_views
+        status = _BEFORE(self._block, qpos, qvel, ctrl, applied, dt_s)
         if status != _FINE:
             self._accuse(status)
 
     def after(self, steps: int, dt_s: float) -> None:
         """The physics for `dt_s`, in `steps`, then sensors, filter and what control makes of them."""
-        self.physics.step(steps)
-        noise, row = self.sensors.noise()
-        status = _AFTER(
-            self.control.memory,
-            self.wheels.memory,
-            self.power.memory,
-            self.surroundings,
-            self.sensors.memory,
-            self.estimator.memory,
-            (self.physics.qpos_view, self.physics.qvel_view, self.estimator.scratch),
-            noise,
-            row,
-            dt_s,
-        )
+        physics = self._physics
+        physics.step(steps)
+        noise, row = self._sensors.noise()
+        status = _AFTER(self._block, physics.qpos_view, physics.qvel_view, noise, row, dt_s)
         if status == _PHYSICS:
-            self.physics.explain()
+            physics.explain()
         elif status != _FINE:
             self._accuse(status)
 
     def _accuse(self, status: int) -> None:
-        raise SimulationError(_BROKEN[status], self.physics.time_s, "expected finite numbers, found one that is not")
+        raise SimulationError(_BROKEN[status], self._physics.time_s, "expected finite numbers, found one that is not")
 
 
 def surroundings() -> Memory:

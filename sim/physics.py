@@ -28,6 +28,7 @@ from sim.assembly import (
     Assembly,
 )
 from sim.errors import SimulationError
+from sim.kernels import Memory
 from sim.quaternion import Quaternion, Vector
 
 _WARNINGS = (
@@ -39,6 +40,7 @@ _WARNINGS = (
     "bad acceleration",
     "bad control",
 )
+_NO_WARNINGS = [0] * len(_WARNINGS)
 _BAD_ACCELERATION, _BAD_CONTROL = 5, 6
 # The bus has six degrees of freedom, every other joint one.
 _DOF_OWNER = ("bus",) * 6 + JOINTS[1:]
@@ -62,14 +64,7 @@ class Physics:
         self._force_view = self._data.qfrc_applied[0:6]
         self._qpos_before, self._qvel_before = self.qpos_view.copy(), self.qvel_view.copy()
         self._time_before = 0.0
-        self.drive_views = (
-            self.qpos_view,
-            self.qvel_view,
-            self._ctrl_view,
-            self._force_view,
-            self._qpos_before,
-            self._qvel_before,
-        )
+        self.drive_views = (self.qpos_view, self.qvel_view, self._ctrl_view, self._force_view)
 
     def __repr__(self) -> str:
         return f"Physics(time_s={self._data.time})"
@@ -123,6 +118,10 @@ class Physics:
         """Metres per second gained over ballistic flight."""
         return (self.qvel[0], self.qvel[1], self.qvel[2])
 
+    def remember_in(self, qpos: Memory, qvel: Memory) -> None:
+        """Let whoever calls `step` keep the state before it in these arrays (13 and 12)."""
+        self._qpos_before, self._qvel_before = qpos, qvel
+
     def place_wings(self, angle_rad: float) -> None:
         """Set both wings at rest at an angle: for the start of a run only, motion has to come from the drives."""
         self.qpos_view[QPOS_WINGS] = angle_rad
@@ -156,13 +155,13 @@ class Physics:
             self.explain()
 
     def step(self, steps: int) -> None:
-        """Take `steps` steps under what lies in `drive_views`, which hold the state before as well.
+        """Take `steps` steps under the controls and forces that lie in `drive_views`.
 
         Raises `SimulationError` when MuJoCo warns; whether the state is finite the caller has to see, and to `explain`.
         """
         self._time_before = self._data.time
         mujoco.mj_step(self._model, self._data, nstep=steps)
-        if self._warnings_view.any():
+        if self._warnings_view.tolist() != _NO_WARNINGS:
             self.explain()
 
     def angular_momentum_I(self) -> Vector:

@@ -27,13 +27,13 @@ from sim.components.wheels import Wheels
 from sim.components.wings import Wings
 from sim.config import SpacecraftConfig
 from sim.control import AttitudeControl
-from sim.dictionary import TELECOMMANDS, TERMINALS, TelemetryValue, round_telemetry, why_wrong
+from sim.dictionary import TELECOMMANDS, TELEMETRY, TERMINALS, TelemetryValue, round_telemetry, why_wrong
 from sim.environment import Environment
 from sim.errors import ConfigurationError
 from sim.estimator import Estimator, Sensors
 from sim.faults import FaultHook, FaultSchedule
 from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
-from sim.flight_loop import FlightLoop
+from sim.flight_loop import FlightLoop, Units
 from sim.kernels import Memory
 from sim.physics import Physics
 from sim.quaternion import Quaternion, Vector, rotate_inverse
@@ -102,19 +102,15 @@ class Spacecraft:
         self._terminals = {name: BusTerminal(name) for name in TERMINALS}
         self._switchboard = Switchboard()
         self._faults = FaultSchedule(self._fault_hooks())
-        self._surroundings = self._new_surroundings()
-        self._loop = FlightLoop(
-            self._physics,
-            self._control,
-            self._wheels,
-            self._thrusters,
-            self._wings,
-            self._power,
-            self._sensors,
-            self._estimator,
-            self._surroundings,
+        units = Units(
+            self._control, self._wheels, self._thrusters, self._wings, self._power, self._sensors, self._estimator
         )
+        self._loop = FlightLoop(self._physics, units, self._new_surroundings())
+        self._surroundings = self._loop.surroundings
         self._loop.look_around(self.environment, 0.0)
+        self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
+        # What telemetry has to ask anew: all after something was switched, some after a busy second.
+        self._switched = self._was_busy = True
         self._steps = round(config.control_period_s / config.time_step_s)
         self._ticks = 0
         self._was_undervoltage = False
@@ -175,20 +171,19 @@ class Spacecraft:
 
     def telemetry(self) -> dict[str, TelemetryValue]:
         """Every channel of `sim.dictionary` now, rounded to its resolution, in the table's order."""
-        values: dict[str, TelemetryValue] = {}
-        values.update(self._control.telemetry())
-        values.update(self._wheels.telemetry())
-        values.update(self._engine.telemetry())
-        values.update(self._camera.telemetry())
-        values.update(self._power.telemetry())
-        values.update(self._radio.telemetry())
-        values.update(self._recorder.telemetry())
-        values.update(self._switchboard.telemetry())
-        values.update(self._thrusters.telemetry())
-        values.update(self._sensors.telemetry())
-        values.update(self._estimator.telemetry())
+        values = self._values
+        if self._switched:
+            for unit in (self._control, self._power, self._radio, self._switchboard, self._thrusters):
+                values.update(round_telemetry({**unit.telemetry()}))
+        if self._switched or self._was_busy:
+            for busy in (self._engine, self._camera, self._recorder):
+                values.update(round_telemetry({**busy.telemetry()}))
+            self._switched = self._was_busy = False
+        values["acs.state"] = self._control.state
+        values["tracker.state"] = self._sensors.tracker_state
         values["acs.actuators"] = _ACTUATORS[int(self._surroundings[loop.ACTUATORS])]
-        return round_telemetry(values)
+        values.update(zip(self._loop.channels, self._loop.readings(), strict=True))
+        return values.copy()
 
     def inject(
         self,
@@ -273,12 +268,14 @@ class Spacecraft:
         changed = False
         engine, camera = self._engine, self._camera
         if engine.busy:
+            self._was_busy = True
             state = engine.state
             engine.step(dt_s)
             changed = state != engine.state
         if camera.busy:
             changed = self._operate_camera(dt_s) or changed
         if self._radio.state == "downlinking":
+            self._was_busy = True
             attitude_IB, time_s = self._physics.attitude_IB, float(self.time)
             error = self.environment.pointing_error_rad(attitude_IB, self.environment.earth, time_s)
             self._recorder.play(self._radio.step(dt_s, error <= self._config.antenna_half_beam_rad))
@@ -289,6 +286,7 @@ class Spacecraft:
 
     def _operate_camera(self, dt_s: float) -> bool:
         camera, state = self._camera, self._camera.state
+        self._was_busy = True
         if camera.shutter_open:
             error = self.environment.pointing_error_rad(self._physics.attitude_IB, camera.target, float(self.time))
             camera.watch(error, math.hypot(*self._physics.rate_B))
@@ -300,6 +298,7 @@ class Spacecraft:
     def _balance(self) -> None:
         """Who has power, and what all draw: whenever something was switched, not every second."""
         board, undervoltage = self._switchboard, self._power.undervoltage
+        self._switched = True
         self._was_undervoltage = undervoltage
         self._camera.supply(board.fed("neb2") and not undervoltage)
         if undervoltage or not board.fed("neb2"):

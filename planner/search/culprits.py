@@ -16,6 +16,7 @@ from planner.model.classes import objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Insert, Limit, Order, Reject, Settle
 from planner.search.flaws import Flaw, OpenToken, Undecided
 from planner.tokens.instance import RuleInstance
+from planner.tokens.resources import Clash
 from planner.tokens.token import Token
 
 DECISIONS = (Activate, Assign, Codesignate, Insert, Limit, Order, Reject, Settle)
@@ -45,6 +46,8 @@ class Culprits:
                 found.add(place)
             elif isinstance(owner, RuleInstance):
                 pending += self._behind_instance(owner)
+            elif isinstance(owner, Clash):
+                pending += owner.causes
             else:
                 return self.everything()
         return found

@@ -20,6 +20,9 @@ from planner.temporal.kernel import load_kernel
 INFINITY = layout.INFINITY
 """Bounds from here on (or from here down, negated) are unbounded."""
 
+LATEST, EARLIEST = 8, 4
+"""Where `bounds` has what: the stride from one timepoint to the next, the offset of the negated earliest time."""
+
 _Words = npt.NDArray[np.int64]
 _EIGHT = struct.Struct("=8q").pack_into
 _FOUR = struct.Struct("=4q").pack_into
@@ -190,10 +193,7 @@ class TemporalNetworkManager:
 
     @property
     def bounds(self) -> memoryview:
-        """The bounds of all timepoints for a hot loop: of t, the latest time at 8t, minus the earliest at 8t + 4.
-
-        Valid until the network changes.
-        """
+        """For hot loops: t's latest time at `LATEST * t`, minus its earliest EARLIEST further; until the next change."""
         return self._label_view
 
     def watch(self, timepoint: int) -> None:
@@ -312,10 +312,6 @@ class TemporalNetworkManager:
             self._enlarge(code)
             header = self._header
         return (header[layout.PROBE_LOWER], header[layout.PROBE_UPPER]) if code == layout.OK else None
-
-    def owner_of(self, constraint: int) -> int:
-        """The owner that a constraint was posted with."""
-        return int(self._owners[constraint])
 
     def constraints(self) -> Iterator[tuple[int, int, int, int, int, int]]:
         """The constraints not removed, (id, from, to, minimum, maximum, owner); tightenings count once in force."""

@@ -236,16 +236,17 @@ def _overflow(path: str, found: object) -> NoReturn:
 
 def _to_ticks(links: Sequence[Link]) -> tuple[int, list[tuple[int, int, int, int, int]]]:
     """Ticks a unit, and the rows of the table."""
-    exact: dict[tuple[int, str], int | Decimal] = (
-        {}
-        if _all_whole(links)
-        else {
-            (i, name): _exact(value, f"constraints[{i}].{name}")
-            for i, link in enumerate(links)
-            for name, value in (("min", link.min), ("max", link.max))
-            if value is not None and type(value) is not int
-        }
-    )
+    if _all_whole(links) and sum(abs(bound) for link in links for bound in link[2:4] if bound) < UNBOUNDED:
+        return 1, [
+            (from_, to, -UNBOUNDED if low is None else low, UNBOUNDED if high is None else high, int(contingent))
+            for from_, to, low, high, contingent in links
+        ]
+    exact: dict[tuple[int, str], int | Decimal] = {
+        (i, name): _exact(value, f"constraints[{i}].{name}")
+        for i, link in enumerate(links)
+        for name, value in (("min", link.min), ("max", link.max))
+        if value is not None and type(value) is not int
+    }
     scale = math.lcm(*(number.as_integer_ratio()[1] for number in exact.values()))
     rows, total = [], 0
     for i, (from_, to, lower, upper, contingent) in enumerate(links):

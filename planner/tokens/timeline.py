@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 
 from planner.model.classes import ModelObject
-from planner.temporal.network import TemporalNetworkManager
+from planner.temporal.network import EARLIEST, LATEST, TemporalNetworkManager
 from planner.tokens.token import Token
 
 
@@ -30,10 +30,10 @@ class Timeline:
     def window(self, token: Token) -> tuple[int, int]:
         """The part [first, last) of the sequence whose tokens may touch the token."""
         bounds, sequence = self.temporal.bounds, self.sequence
-        earliest = -bounds[8 * token.start.timepoint + 4]
-        latest = bounds[8 * token.end.timepoint]
-        first = bisect_left(sequence, earliest, key=lambda t: bounds[8 * t.end.timepoint])
-        last = bisect_right(sequence, latest, first, key=lambda t: -bounds[8 * t.start.timepoint + 4])
+        earliest = -bounds[LATEST * token.start.timepoint + EARLIEST]
+        latest = bounds[LATEST * token.end.timepoint]
+        first = bisect_left(sequence, earliest, key=lambda t: bounds[LATEST * t.end.timepoint])
+        last = bisect_right(sequence, latest, first, key=lambda t: -bounds[LATEST * t.start.timepoint + EARLIEST])
         return first, last
 
     def openings(self, token: Token) -> tuple[list[Token], list[int]]:
@@ -47,20 +47,20 @@ class Timeline:
 
     def _slots(self, token: Token, first: int, last: int) -> list[int]:
         bounds, sequence = self.temporal.bounds, self.sequence
-        start, end = 8 * token.start.timepoint, 8 * token.end.timepoint
-        start_lower, start_upper = -bounds[start + 4], bounds[start]
-        end_lower, end_upper = -bounds[end + 4], bounds[end]
+        start, end = LATEST * token.start.timepoint, LATEST * token.end.timepoint
+        start_lower, start_upper = -bounds[start + EARLIEST], bounds[start]
+        end_lower, end_upper = -bounds[end + EARLIEST], bounds[end]
         shortest = token.duration.stated.lower
         slots = []
         for position in range(first, last + 1):
             earliest, latest = start_lower, end_upper
             if position > 0:
-                before = -bounds[8 * sequence[position - 1].end.timepoint + 4]
+                before = -bounds[LATEST * sequence[position - 1].end.timepoint + EARLIEST]
                 if before > start_upper:
                     break
                 earliest = max(earliest, before)
             if position < len(sequence):
-                after = bounds[8 * sequence[position].start.timepoint]
+                after = bounds[LATEST * sequence[position].start.timepoint]
                 if after < end_lower:
                     continue
                 latest = min(latest, after)
@@ -75,8 +75,8 @@ def may_codesignate(token: Token, host: Token) -> bool:
         return False
     bounds = host.start.temporal.bounds
     for mine, other in ((token.start, host.start), (token.end, host.end)):
-        a, b = 8 * mine.timepoint, 8 * other.timepoint
-        if -bounds[a + 4] > bounds[b] or -bounds[b + 4] > bounds[a]:
+        a, b = LATEST * mine.timepoint, LATEST * other.timepoint
+        if -bounds[a + EARLIEST] > bounds[b] or -bounds[b + EARLIEST] > bounds[a]:
             return False
     for name, variable in token.parameters.items():
         if variable.domain.intersect(host.parameters[name].domain).is_empty:

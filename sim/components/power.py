@@ -8,6 +8,7 @@ shed until the battery is back at `RECOVERED_SOC`. The base load (avionics, whee
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,7 +21,8 @@ RECOVERED_SOC = 0.05
 SOC, ARRAY_W, LOAD_W, UNDERVOLTAGE = 0, 1, 2, 3
 ARRAY_FACTOR, NORMAL_W, BASE_W, SWITCHED_W = 4, 5, 6, 7
 CAPACITY_J, CHARGE_LIMIT_W, EFFICIENCY = 8, 9, 10
-SIZE = 11
+MARGIN_W = 11
+SIZE = 12
 
 
 @compiled
@@ -28,6 +30,7 @@ def observe(m: Memory, incidence_cosine: float) -> None:
     """What the array receives and the loads draw from now on."""
     m[ARRAY_W] = m[ARRAY_FACTOR] * m[NORMAL_W] * max(0.0, incidence_cosine)
     m[LOAD_W] = m[BASE_W] + m[SWITCHED_W]
+    m[MARGIN_W] = m[ARRAY_W] - m[LOAD_W]
 
 
 @compiled
@@ -48,6 +51,13 @@ def step(m: Memory, dt_s: float) -> None:
 
 class Power:
     """Balance of the bus. `array_W` and `load_W` are those of the step before."""
+
+    READINGS: ClassVar[Mapping[str, int]] = {
+        "power.array_W": ARRAY_W,
+        "power.load_W": LOAD_W,
+        "power.margin_W": MARGIN_W,
+        "battery.soc": SOC,
+    }
 
     def __init__(self, config: SpacecraftConfig) -> None:
         self.memory: Memory = np.zeros(SIZE)
@@ -90,16 +100,9 @@ class Power:
         """Charge or discharge for `dt_s` at the present balance."""
         step(self.memory, dt_s)
 
-    def telemetry(self) -> dict[str, float | str]:
-        """The balance, the battery and the state of the bus."""
-        soc, array_W, load_W, undervoltage = self.memory[:4].tolist()
-        return {
-            "power.array_W": array_W,
-            "power.load_W": load_W,
-            "power.margin_W": array_W - load_W,
-            "power.bus": "undervoltage" if undervoltage else "nominal",
-            "battery.soc": soc,
-        }
+    def telemetry(self) -> dict[str, str]:
+        """State of the bus; balance and battery are among the readings."""
+        return {"power.bus": "undervoltage" if self.memory[UNDERVOLTAGE] else "nominal"}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
         """`array_loss`: the array gives `factor` of its power. `battery_loss`: the battery has `factor` of its size."""

@@ -17,6 +17,7 @@ its minimum time; a smaller impulse waits until enough has come together.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def fire(m: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
                 m[ON + k] = min(dt_s, m[ON + k] + on_s)
     for axis in range(3):
         m[TORQUE + axis] = m[FORCE + axis] = 0.0
-    if m[POWERED] == 0.0 or m[LEFT_KG] <= m[USED_KG]:
+    if m[POWERED] == 0.0 or m[LEFT_KG] <= 0.0:
         return
     for k in range(8):
         share = m[WORKS + k] * m[ON + k] / dt_s
@@ -65,6 +66,7 @@ def fire(m: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
             m[TORQUE + axis] += share * m[FORCE_N] * m[LEVER_M] * m[SIGNS + 3 * k + axis]
         m[FORCE if k < 4 else FORCE + 2] += share * (-m[FORCE_N] if k < 4 else m[FORCE_N])
         m[USED_KG] += share * dt_s * m[FLOW_KG_S]
+        m[LEFT_KG] = max(0.0, m[LEFT_KG] - share * dt_s * m[FLOW_KG_S])
 
 
 @compiled
@@ -78,6 +80,8 @@ def close(m: Memory) -> None:
 
 class Thrusters:
     """The thrusters' memory, mode and faults. Torque and force are means over the control period, body axes."""
+
+    READINGS: ClassVar[Mapping[str, int]] = {"rcs.hydrazine_kg": LEFT_KG}
 
     def __init__(self, config: SpacecraftConfig) -> None:
         self.memory: Memory = np.zeros(SIZE)
@@ -107,9 +111,9 @@ class Thrusters:
         close(self.memory)
         return None
 
-    def telemetry(self) -> dict[str, float | str]:
-        """Mode and hydrazine left. Valves have no position sensors: a stuck one shows in the attitude alone."""
-        return {"rcs.mode": self.mode, "rcs.hydrazine_kg": max(0.0, float(self.memory[LEFT_KG]) - self.used_kg)}
+    def telemetry(self) -> dict[str, str]:
+        """The mode. Valves have no position sensors: a stuck one shows in the attitude alone."""
+        return {"rcs.mode": self.mode}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
         """`closed_` and a thruster of `NAMES`: its valve does not open."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,8 +20,8 @@ from sim.quaternion import Vector
 
 AXES, INERTIA, TORQUE_LIMIT, SPEED_LIMIT = 0, 12, 13, 14
 SPEEDS, MOMENTUM, MOTORS, WORKS = 15, 19, 22, 26
-VISCOUS, DRY, UNCOMPENSATED = 30, 31, 32
-SIZE = 33
+VISCOUS, DRY, UNCOMPENSATED, MOMENTUM_SIZE = 30, 31, 32, 33
+SIZE = 34
 # Speed under which dry friction fades to nothing at rest.
 _DRY_FADES_RAD_S = 0.5
 
@@ -33,6 +34,8 @@ def observe(m: Memory) -> None:
         for k in range(4):
             total += m[AXES + 3 * k + axis] * m[SPEEDS + k]
         m[MOMENTUM + axis] = m[INERTIA] * total
+    x, y, z = m[MOMENTUM], m[MOMENTUM + 1], m[MOMENTUM + 2]
+    m[MOMENTUM_SIZE] = math.sqrt(x * x + y * y + z * z)
 
 
 @compiled
@@ -66,11 +69,19 @@ def uncompensated_friction(m: Memory, k: int) -> float:
     speed = m[SPEEDS + k]
     dry = m[DRY] * max(-1.0, min(1.0, speed / _DRY_FADES_RAD_S))
     share = m[UNCOMPENSATED] if m[WORKS + k] != 0.0 else 1.0
-    return -share * (m[VISCOUS] * speed + dry)
+    return float(-share * (m[VISCOUS] * speed + dry))
 
 
 class Wheels:
     """The wheels' memory, their faults and telemetry. Without `friction` (viscous, dry, share left) there is none."""
+
+    READINGS: ClassVar[Mapping[str, int]] = {
+        "wheels.speed_1_rad_s": SPEEDS,
+        "wheels.speed_2_rad_s": SPEEDS + 1,
+        "wheels.speed_3_rad_s": SPEEDS + 2,
+        "wheels.speed_4_rad_s": SPEEDS + 3,
+        "wheels.momentum_Nms": MOMENTUM_SIZE,
+    }
 
     def __init__(
         self,
@@ -92,12 +103,6 @@ class Wheels:
     def __repr__(self) -> str:
         return f"Wheels({', '.join(f'{speed:.1f}' for speed in self.memory[SPEEDS : SPEEDS + 4])} rad/s)"
 
-    @property
-    def momentum_Nms(self) -> float:
-        """Size of the momentum that they store."""
-        x, y, z = self.memory[MOMENTUM : MOMENTUM + 3].tolist()
-        return math.sqrt(x * x + y * y + z * z)
-
     def observe(self, speeds_rad_s: Sequence[float]) -> None:
         """Take the wheels' speeds (4, rad/s) as the physics left them."""
         self.memory[SPEEDS : SPEEDS + 4] = speeds_rad_s
@@ -115,17 +120,6 @@ class Wheels:
         limit(self.memory, dt_s)
         cut: list[float] = self.memory[MOTORS : MOTORS + 4].tolist()
         return cut
-
-    def telemetry(self) -> dict[str, float]:
-        """Speeds and the size of the momentum they store."""
-        one, two, three, four = self.memory[SPEEDS : SPEEDS + 4].tolist()
-        return {
-            "wheels.speed_1_rad_s": one,
-            "wheels.speed_2_rad_s": two,
-            "wheels.speed_3_rad_s": three,
-            "wheels.speed_4_rad_s": four,
-            "wheels.momentum_Nms": self.momentum_Nms,
-        }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
         """`motor_1` to `motor_4`: that wheel's drive gives no torque, friction slows it. `friction`: `factor` times."""

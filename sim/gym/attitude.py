@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -39,7 +39,7 @@ class AttitudeEnvironment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]
     random one of up to half a turn.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 30}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012 - Gymnasium declares it an instance variable
 
     def __init__(
         self, render_mode: str | None = None, config: SpacecraftConfig | None = None, seconds_per_step: int = 2
@@ -106,7 +106,7 @@ class AttitudeEnvironment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]
         reward = -self._error()[1] / math.pi - 0.02 * effort + (100.0 if settled else -100.0 if tumbling else 0.0)
         return self._observe(), reward, settled or tumbling, False, self._info()
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """The chase camera's picture (256, 256, 3); None without a render mode. `RenderingUnavailable` without GL."""
         if self.render_mode is None:
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -79,7 +79,7 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
     from the seed of `reset`; `options`: `faults`, a sequence of (name, at_s), injected at the start.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium declares it an instance variable
 
     def __init__(
         self,
@@ -153,7 +153,7 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
         done = all(goal.achieved for goal in self.goals)
         return self._observe(), reward, done, not done and craft.time >= self._horizon_s, self._info(accepted)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """The chase camera's picture (256, 256, 3); None without a render mode. `RenderingUnavailable` without GL."""
         return None if self.render_mode is None else self._flying().render("chase", 256, 256)
 

@@ -377,6 +377,7 @@ def fly(
 
 _QUIET = {"observation", "plan.answered", "bounds", "timepoint.executed", "command.acknowledged"}
 _INPUTS = ("scenario", "seed", "text", "goals", "settings")
+_GOAL = ("contingent", "duration", "end", "object", "parameters", "predicate", "priority", "start")
 
 
 def transcript(run: Run, since: int = 0, until: int = 1000) -> str:
@@ -393,7 +394,8 @@ def transcript(run: Run, since: int = 0, until: int = 1000) -> str:
             words.append(f"{entry['token']} {entry['predicate']}({', '.join(map(str, arguments.values()))})")
             words += [str(entry[name]) for name in ("verdict", "reason") if name in entry]
         else:
-            words += [f"{n}={_short(v)}" for n, v in entry.items() if n not in ("t", "event", *_INPUTS)]
+            left_out = ("t", "event", *_INPUTS, *(_GOAL if event == "goal.given" else ()))
+            words += [f"{n}={_short(v)}" for n, v in entry.items() if n not in left_out]
         lines.append(" ".join(words))
     return "".join(line + "\n" for line in lines)
 

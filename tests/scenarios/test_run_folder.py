@@ -42,6 +42,15 @@ def test_folders_are_numbered_and_never_shared(tmp_path: Path, monkeypatch: pyte
     assert all((tmp_path / folder / "plans").is_dir() for folder in folders)
 
 
+def test_a_folder_that_another_run_takes_meanwhile_is_left_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    taken = new_folder(None, "x")
+    monkeypatch.setattr(Path, "iterdir", lambda self: iter(()))  # as it looked before the other run began to write
+    assert new_folder(None, "x") != taken
+
+
 def test_an_empty_folder_is_taken(tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     assert new_folder(tmp_path / "run", "x") == tmp_path / "run"

@@ -81,14 +81,15 @@ def test_a_plan_is_given_up_for_what_was_concluded_then() -> None:
 
 
 def test_a_fault_is_handled_once_a_plan_that_knew_of_it_takes_over() -> None:
-    header = HeaderLane()
+    header, unseen = HeaderLane(), ("c", "c: not yet detected")
     header.fault_injected(10, "a")
     header.fault_injected(11, "b")
+    header.fault_injected(12, "c")
     header.fault_detected(20, "a", "a is broken")
     header.requested(21, "a is broken")
     header.fault_detected(22, "b", "b is broken")
     header.handed_over(30, "plan-02")
-    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: detected, b is broken")]
+    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: detected, b is broken"), unseen]
     header.requested(31, "b is broken")
     header.handed_over(40, "plan-03")
-    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: handled by plan-03")]
+    assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: handled by plan-03"), unseen]

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from planner.constraints.network import AnyVariable, ConstraintNetworkManager, TimeVariable
+from planner.constraints.network import AnyVariable, ConstraintNetworkManager, Owner, TimeVariable
 from planner.domains import Interval
 from planner.tokens.resources.closure import elements
 from planner.tokens.resources.ledger import RESOLUTION, Scenario
@@ -73,6 +73,11 @@ class Clash:
         self.owner = self
         self.queued = False
         self.scope: tuple[AnyVariable, ...] = tuple(v for t in self.transactions for v in t.scope)
+
+    @property
+    def causes(self) -> list[Owner]:
+        """Who asked for the transactions, and the decisions that made them such."""
+        return [cause for transaction in self.transactions for cause in transaction.causes]
 
     def run(self, network: ConstraintNetworkManager) -> None:
         """Nothing to do: a clash is found, not propagated."""

@@ -142,18 +142,27 @@ class Resource:
         shortest = max(0, int(token.duration.stated.lower))
         if not self.is_reservoir:
             times = (token.start, token.end)
-            self._enter(Transaction(token.name, "uses", quantity, times, token.owner, shortest))
+            self._enter(Transaction(token.name, "uses", quantity, times, token.object, token.owner, token, shortest))
             return
         if token.predicate.name not in _FLOWS:
             raise ModelError(f"{token!r} on reservoir {self.object}: expected a predicate of {sorted(_FLOWS)}")
         flow = _FLOWS[token.predicate.name]
-        self._enter(Transaction(token.name, flow, quantity, (token.start, token.start), token.owner))
+        times = (token.start, token.start)
+        self._enter(Transaction(token.name, flow, quantity, times, token.object, token.owner, token))
 
-    def use(self, name: str, quantity: AnyVariable, times: tuple[TimeVariable, TimeVariable], owner: Owner) -> None:
-        """A use of this reusable resource that is not a token of it; ModelError on a reservoir."""
+    def use(
+        self,
+        name: str,
+        quantity: AnyVariable,
+        times: tuple[TimeVariable, TimeVariable],
+        where: AnyVariable,
+        owner: Owner,
+    ) -> None:
+        """A use of this reusable resource that is not a token of it; ModelError on a reservoir. `where`: the variable
+        by which the resource was chosen."""
         if self.is_reservoir:
             raise ModelError(f"{owner!r}: {self.object} is a reservoir, expected a reusable resource")
-        self._enter(Transaction(name, "uses", quantity, times, owner))
+        self._enter(Transaction(name, "uses", quantity, times, where, owner))
 
     def _enter(self, transaction: Transaction) -> None:
         self.trail.append(self.transactions, transaction)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from planner.constraints.network import AnyVariable, Owner, TimeVariable
+from planner.tokens.token import Token
 
 Flow = Literal["uses", "produces", "consumes"]
 
@@ -12,10 +13,11 @@ Flow = Literal["uses", "produces", "consumes"]
 class Transaction:
     """One token's use, production or consumption of a resource, or that of a `uses` constraint.
 
-    `shortest`: the least number of ticks that a use is known to last, whatever its bounds say.
+    `where`: the variable that says which resource it is on. `token`: the token that it is, unless a constraint asks for
+    it. `shortest`: the least number of ticks that a use is known to last, whatever its bounds say.
     """
 
-    __slots__ = ("end", "flow", "name", "owner", "quantity", "shortest", "start")
+    __slots__ = ("end", "flow", "name", "owner", "quantity", "shortest", "start", "token", "where")
 
     def __init__(
         self,
@@ -23,21 +25,30 @@ class Transaction:
         flow: Flow,
         quantity: AnyVariable,
         times: tuple[TimeVariable, TimeVariable],
+        where: AnyVariable,
         owner: Owner,
+        token: Token | None = None,
         shortest: int = 0,
     ) -> None:
         self.name = name
         self.flow = flow
         self.quantity = quantity
         self.start, self.end = times
+        self.where = where
         self.owner = owner
+        self.token = token
         self.shortest = shortest
 
     @property
     def scope(self) -> tuple[AnyVariable, ...]:
         """The variables that it rests on."""
         ends = (self.start,) if self.start is self.end else (self.start, self.end)
-        return (*ends, self.quantity)
+        return (*ends, self.quantity, self.where)
+
+    @property
+    def causes(self) -> tuple[Owner, ...]:
+        """Who asked for it, and the decision that made it one."""
+        return (self.owner,) if self.token is None else (self.owner, self.token.placed_by)
 
     @property
     def least(self) -> float:

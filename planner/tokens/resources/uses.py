@@ -42,7 +42,7 @@ class PendingUse:
         self.trail.assign(self, "posted", True)
         (thing,) = objects_in(domain)
         name = self.times[0].name.removesuffix(".start")
-        self.resources[thing].use(name, self.quantity, self.times, self.owner)
+        self.resources[thing].use(name, self.quantity, self.times, self.scope[0], self.owner)
 
 
 def _values(variable: AnyVariable) -> list[Any]:
