@@ -116,9 +116,13 @@ class Execution:
 
     def departs(self, forecast: Forecast) -> str | None:
         """What is not as was foretold for now; None when everything is."""
+        for run in self._activities.running.values():
+            line = run.token.object, run.token.attribute
+            if line in forecast.idle and run.ended is None:
+                return f"expected nothing to be running on {'.'.join(line)}, found {run.token.predicate}"
         for (thing, attribute), token_id in forecast.running.items():
-            run = self._activities.running.get(token_id)
-            if run is None or run.ended is not None:
+            known = self._activities.running.get(token_id)
+            if known is None or known.ended is not None:
                 predicate = self._network.plan.token(token_id).predicate
                 return f"expected {predicate} ({token_id}) to be running on {thing}.{attribute}"
         return None
@@ -143,7 +147,10 @@ class Execution:
         return Happening(self._goals_of(over), tuple(violations))
 
     def dispatch(self, telemetry: Telemetry, now: int) -> Happening:
-        """Perform every timepoint that is due, until nothing more can happen at this instant; then its effects."""
+        """Perform every timepoint that is due, until nothing more can happen at this instant; then its effects.
+
+        What lasts to the end of the horizon is not ended there: it goes on in the next plan, or is stopped.
+        """
         before = set(self._activities.running)
         performed: list[int] = []
         narrowed: set[int] = set()
@@ -155,7 +162,11 @@ class Execution:
             if decision is None or decision.time > now:
                 self._next = None if decision is None else decision.time
                 break
-            for timepoint in decision.timepoints:
+            due = [place for place in decision.timepoints if now < self.horizon_end or place not in self._lasting]
+            if not due:
+                self._next = decision.time
+                break
+            for timepoint in due:
                 violations += self._happen(timepoint, now, narrowed)
                 performed.append(timepoint)
         self._tell_bounds(narrowed, now)
@@ -168,6 +179,14 @@ class Execution:
             elif token_id in self._activities.running:
                 over += self._activities.end(token_id, telemetry, now)
         return Happening(self._goals_of(over), tuple(violations), asks)
+
+    def stuck(self) -> tuple[str, ...]:
+        """The timepoints still to come if nothing will bring them about: none is due, and no activity is running."""
+        if self._next is not None or self._dispatcher.finished:
+            return ()
+        if any(run.awaits_nature for run in self._activities.running.values()):
+            return ()
+        return tuple(name for place, name in enumerate(self._names) if self._dispatcher.time(place) is None)
 
     def abort(self, now: int, violations: Iterable[Violation] = ()) -> None:
         """Give the plan up: every running activity is stopped safely."""

@@ -22,6 +22,7 @@ from executive.port import Plant, TelemetryValue
 from executive.records import AdoptedPlan, DispatchStatistics, GoalRecord, Outcome, Settings
 from executive.replanner import Ready, Replanner
 from executive.succession import Succession
+from executive.watchdog import Watchdog
 from planner.problem import Goal, Planner
 
 _NEVER = 1 << 62
@@ -63,6 +64,7 @@ class Executive:
         self._given = tuple(goals)
         self._goals = GoalBook(self._given, journal)
         self._unplanned: list[str] = []
+        self._watchdog = Watchdog()
         self._replanner = Replanner(planner, bindings, self._settings, journal)
         self._statistics = DispatchStatistics()
         self._plans: list[AdoptedPlan] = []
@@ -84,6 +86,9 @@ class Executive:
             self._recover(violations)
             violations = self._replan() or self._dispatch() or self._succeed()
             if not violations:
+                break
+            if self._watchdog.is_spinning(self._now):
+                self._recover(violations)
                 break
         self._due = self._next_due()
 
@@ -333,7 +338,8 @@ class Executive:
         """Perform what is due; commands go out on the way."""
         if self._execution is None:
             return []
-        return self._take(self._execution.dispatch(self._telemetry, self._now))
+        violations = self._take(self._execution.dispatch(self._telemetry, self._now))
+        return violations or self._watchdog.stalled(self._execution)
 
     def _take(self, happening: Happening) -> list[Violation]:
         self._achieve(happening.goals)

@@ -15,7 +15,7 @@ from executive.conditions import Telemetry, Watch
 from executive.journal import Journal
 
 ViolationKind = Literal[
-    "early", "late", "unconfirmed", "refused", "lock", "incompatible", "fault", "dispatch", "standby"
+    "early", "late", "unconfirmed", "refused", "lock", "incompatible", "fault", "dispatch", "standby", "stalled"
 ]
 
 REPLAN = "replan"

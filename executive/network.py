@@ -12,8 +12,35 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from planner.plan import ORIGIN, Bound, FlexiblePlan, PlanConstraint, PlanToken
+from planner.errors import NetworkFormatError
+from planner.plan import ORIGIN, Bound, FlexiblePlan, PlanConstraint, PlanTimeline, PlanToken
+from planner.temporal.controllability import check
 from planner.temporal.stnu import Link, Stnu
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Why no strategy keeps a plan whatever nature decides. Without one of these requirements it might.
+
+    `text`: in the words of the domain. `tokens`: the hosts between whose ends the requirements are, in their order;
+    `contingent`: those of which nature's choice of duration takes part; `constraints`: the plan's that take part. No
+    plan that contains all of these is controllable, so a search may go back to the latest decision behind any of them.
+    """
+
+    text: str
+    tokens: tuple[str, ...]
+    contingent: tuple[str, ...]
+    constraints: tuple[PlanConstraint, ...]
+
+
+def conflict_of(plan: FlexiblePlan) -> Conflict | None:
+    """What makes a plan uncontrollable; None when it can be kept whatever nature decides."""
+    try:
+        network = PlanNetwork.of(plan)
+    except NetworkFormatError as error:
+        return Conflict(f"the plan is not a network: {error}", (), (), ())
+    verdict = check(network.stnu)
+    return None if verdict.controllable else network.conflict(verdict.conflict)
 
 
 @dataclass(frozen=True)
@@ -21,9 +48,10 @@ class PlanNetwork:
     """A plan's temporal network in the words of the plan.
 
     `index`: the timepoint, by any of its names (`"t3.start"`, also of codesignated tokens). `reasons`: for each link of
-    `stnu` the requirement that it stands for. `begun`: hosts that hold already, with the tick at which they began;
-    their starts are fixed. `lasting`: ends that nothing waits for, so that they need not come as early as they may:
-    those of what timelines end with, unless it is a goal, and whatever may not end before these.
+    `stnu` the requirement that it stands for; `sources`: the plan's constraint or token that makes it. `begun`: hosts
+    that hold already, with the tick at which they began; their starts are fixed. `lasting`: ends that nothing waits
+    for, so that they need not come as early as they may: those of what timelines end with, unless it is a goal that
+    nothing has to follow, and whatever may not end before these.
     Time is ticks from the origin at 0.
     """
 
@@ -31,6 +59,7 @@ class PlanNetwork:
     stnu: Stnu
     index: Mapping[str, int]
     reasons: tuple[str, ...]
+    sources: tuple[PlanConstraint | PlanToken, ...]
     begun: Mapping[str, int]
     lasting: frozenset[int]
 
@@ -48,10 +77,25 @@ class PlanNetwork:
                 names.append(f"{slot[0]}.{which}")
             if (start := _began(plan, slot)) is not None:
                 begun[slot[0]] = start
-        rows = [row for host in hosts for row in _token_rows(plan, host, index, begun.get(host.id))]
-        rows += [row for c in plan.constraints if (row := _constraint_row(c, index)) is not None]
-        links, reasons = tuple(link for link, _ in rows), tuple(why for _, why in rows)
-        return cls(plan, Stnu(tuple(names), links), index, reasons, begun, _lasting(plan, index, links))
+        rows: list[tuple[Link, str, PlanConstraint | PlanToken]] = []
+        for host in hosts:
+            rows += [(*row, host) for row in _token_rows(plan, host, index, begun.get(host.id))]
+        rows += [(*row, c) for c in plan.constraints if (row := _constraint_row(c, index)) is not None]
+        links = tuple(link for link, _, _ in rows)
+        reasons, sources = tuple(why for _, why, _ in rows), tuple(source for _, _, source in rows)
+        return cls(plan, Stnu(tuple(names), links), index, reasons, sources, begun, _lasting(plan, index, links))
+
+    def conflict(self, links: Iterable[int]) -> Conflict:
+        """Some links that cannot be kept together whatever nature does, as what of the plan makes them."""
+        chosen = list(dict.fromkeys(links))
+        sources = [self.sources[number] for number in chosen]
+        ends = [self.stnu.timepoints[place] for i in chosen for place in self.stnu.links[i][:2]]
+        return Conflict(
+            self.explain(chosen),
+            tuple(dict.fromkeys(end.rpartition(".")[0] for end in ends if end != ORIGIN)),
+            tuple(dict.fromkeys(s.id for s in sources if isinstance(s, PlanToken) and s.contingent)),
+            tuple(dict.fromkeys(s for s in sources if isinstance(s, PlanConstraint))),
+        )
 
     def explain(self, links: Iterable[int]) -> str:
         """The requirements of some links, for people."""
@@ -89,7 +133,7 @@ def _lasting(plan: FlexiblePlan, index: Mapping[str, int], links: Iterable[Link]
     ends = {place for name, place in index.items() if name.endswith(".end")} - natural
     found: set[int] = set()
     for timeline in plan.timelines:
-        if not timeline.slots or any(plan.token(i).goal is not None for i in timeline.slots[-1]):
+        if not timeline.slots or (_is_goal(plan, timeline.slots[-1]) and not _is_open(plan, timeline)):
             continue
         reached = set()
         waiting = [index[f"{timeline.slots[-1][0]}.end"]]
@@ -100,6 +144,20 @@ def _lasting(plan: FlexiblePlan, index: Mapping[str, int], links: Iterable[Link]
         if reached <= ends:
             found |= reached
     return frozenset(found)
+
+
+def _is_goal(plan: FlexiblePlan, slot: tuple[str, ...]) -> bool:
+    return any(plan.token(i).goal is not None for i in slot)
+
+
+def _is_open(plan: FlexiblePlan, timeline: PlanTimeline) -> bool:
+    """Whether what has to follow a timeline's last token lies beyond the horizon, until which the token then lasts."""
+    return any(
+        token.attribute == timeline.attribute
+        and token.object in ("", timeline.object)
+        and token.master in timeline.slots[-1]
+        for token in plan.boundary
+    )
 
 
 def _began(plan: FlexiblePlan, slot: tuple[str, ...]) -> int | None:

@@ -74,7 +74,8 @@ def simulate_file(path: Path, runs: int, strategy: Strategy = "rte", seed: int =
         "seed": seed,
         "runs": result.runs,
         "satisfied": result.satisfied,
-        "violations": {str(link): count for link, count in result.violations.items()},
+        "violations": sum(result.violations.values()),
+        "violations_by_constraint": {str(link): count for link, count in result.violations.items()},
     }
 
 

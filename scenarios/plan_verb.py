@@ -11,21 +11,22 @@ from typing import Any, Literal
 from planner.constraints.network import Inconsistency, Owner
 from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
-from planner.errors import ModelError, ProblemError
+from planner.errors import ModelError, ProblemError, nearest
 from planner.extraction import extract
 from planner.language.nddl.builder import load
-from planner.language.nddl.errors import Complaint, Report, UnsupportedError
-from planner.language.nddl.program import Program
+from planner.language.nddl.errors import Report
+from planner.language.nddl.program import Program, is_plain_declaration
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
-from planner.search.chronological import Limits, Outcome, search
 from planner.search.collector import patient_collector
+from planner.search.engines import ENGINES
+from planner.search.outcome import Limits, Outcome
+from planner.temporal.network import TemporalNetworkManager
 
 DEFAULT_HORIZON = (0, 1000)
 """For a file that gives none, as ticks."""
 FEWEST_STEPS = 1000
 """A smaller limit in a file is read as this: how steps are counted differs from planner to planner."""
-ENGINES = ("chronological",)
 
 Verdict = Literal["solved", "unsolvable", "limit"]
 
@@ -34,7 +35,8 @@ Verdict = Literal["solved", "unsolvable", "limit"]
 class PlanAnswer:
     """The answer. `verdict`: solved; unsolvable, which is proven; or limit, when the limits came first.
 
-    `conflict`: the statements and rules that stood in the way. `model`, `plan`: as objects, for whoever goes on.
+    `conflict`: what the statements say that cannot hold together from the beginning. `rejected`: the rejectable tokens
+    that the plan leaves out. `model`, `plan`: as objects, for whoever goes on.
     """
 
     verdict: Verdict
@@ -93,7 +95,8 @@ def plan_file(
     where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be.
     """
     if engine not in ENGINES:
-        raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}")
+        raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
+    _load_kernel()
     with patient_collector():
         started = perf_counter()
         model, program, report = load(path, STANDARD, include)
@@ -102,6 +105,14 @@ def plan_file(
             raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")
         planning = _Planning(model, program, report, span, engine)
         return planning.run(_limits(program, max_seconds, max_steps), started)
+
+
+def _load_kernel() -> None:
+    """Have the compiled kernel at hand before the clock starts: it is part of the program, not of the file."""
+    temporal = TemporalNetworkManager()
+    point = temporal.add_timepoint(0, 1)
+    temporal.post(temporal.ORIGIN, point, 1, 1)
+    temporal.propagate()
 
 
 def _limits(program: Program, max_seconds: float, max_steps: int | None) -> Limits:
@@ -131,7 +142,7 @@ class _Planning:
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = search(database, limits, describe=_described)
+            outcome = ENGINES[self.engine].search(database, limits, None, _described)
         except Inconsistency as inconsistency:
             conflict = database.network.explain(inconsistency)
             outcome.exhausted = True
@@ -158,13 +169,19 @@ class _Planning:
             load_seconds=load,
             solve_seconds=solve,
             reason=reason,
-            conflict=tuple(dict.fromkeys(map(str, conflict))),
+            conflict=tuple(_named(conflict)),
             rejected=tuple(rejected),
         )
 
 
 def _described(owners: Sequence[Owner]) -> str:
-    return "; ".join(dict.fromkeys(map(str, owners)))
+    return "; ".join(_named(owners))
+
+
+def _named(owners: Sequence[Owner]) -> list[str]:
+    """Those who are to blame, each once; that a variable exists is no reason."""
+    blamed = [owner for owner in owners if not is_plain_declaration(owner)]
+    return list(dict.fromkeys(map(str, blamed or owners)))
 
 
 def _reason(outcome: Outcome, conflict: Sequence[Owner]) -> str:
@@ -172,6 +189,3 @@ def _reason(outcome: Outcome, conflict: Sequence[Owner]) -> str:
         return "the initial state is inconsistent: " + _described(conflict)
     verdict = "no plan exists" if outcome.exhausted else f"no plan found within the limits ({outcome.steps} steps)"
     return verdict if outcome.conflict is None else f"{verdict}; in conflict: {outcome.conflict[1]}"
-
-
-__all__ = ["Complaint", "PlanAnswer", "UnsupportedError", "plan_file"]

@@ -6,7 +6,7 @@
 from sim.components.terminal import Acknowledgement
 from sim.config import SpacecraftConfig, Target
 from sim.errors import ConfigurationError, RenderingUnavailable, SimulationError, SimulatorError
-from sim.faults import FAULTS
+from sim.faults import FAULTS, random_faults
 from sim.spacecraft import RecordedState, Spacecraft
 
 __all__ = [
@@ -20,4 +20,5 @@ __all__ = [
     "Spacecraft",
     "SpacecraftConfig",
     "Target",
+    "random_faults",
 ]

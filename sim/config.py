@@ -48,6 +48,7 @@ class SpacecraftConfig:
 
     # integration and control
     time_step_s: float = 0.5
+    quiet_time_step_s: float = 1.0
     control_period_s: int = 1
     # surroundings
     targets: tuple[Target, ...] = DEFAULT_TARGETS
@@ -170,11 +171,12 @@ class SpacecraftConfig:
     def _check_steps(self) -> None:
         if self.control_period_s < 1:
             raise ConfigurationError(f"control_period_s: expected at least 1, found {self.control_period_s}")
-        if self.time_step_s == 0.0 or not (self.control_period_s / self.time_step_s).is_integer():
-            raise ConfigurationError(
-                f"time_step_s: expected a whole fraction of control_period_s ({self.control_period_s} s), "
-                f"found {self.time_step_s}"
-            )
+        for name in ("time_step_s", "quiet_time_step_s"):
+            step = getattr(self, name)
+            if step == 0.0 or not (self.control_period_s / step).is_integer():
+                raise ConfigurationError(
+                    f"{name}: expected a whole fraction of control_period_s ({self.control_period_s} s), found {step}"
+                )
 
     def _check_targets(self) -> None:
         names = [target.name for target in self.targets]

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
+from numpy.random import Generator
+
 from sim.components.thrusters import NAMES
 from sim.errors import ConfigurationError
 
@@ -107,6 +109,7 @@ _TABLE = (
         "the solar array gives a fraction of its power",
         (FaultParameter("factor", 0.8, 0.0, 1.0, "fraction of the healthy power"),),
     ),
+    Fault("recorder-stuck", "recorder", "stuck", "the recorder takes no more frames: images are lost"),
     Fault(
         "battery-degraded",
         "power",
@@ -116,6 +119,26 @@ _TABLE = (
     ),
 )
 FAULTS: Mapping[str, Fault] = MappingProxyType({fault.name: fault for fault in _TABLE})
+
+
+def random_faults(
+    generator: Generator, rates_per_day: Mapping[str, float], horizon_s: float
+) -> tuple[tuple[str, float], ...]:
+    """Faults (name, begin in seconds) that come by chance: each by itself, at exponential intervals of its rate.
+
+    In order of time. The same generator state, rates and horizon give the same faults, whatever the rates' order.
+    """
+    found: list[tuple[str, float]] = []
+    for name in sorted(rates_per_day):
+        rate = rates_per_day[name]
+        if name not in FAULTS:
+            raise ConfigurationError(f"fault rates: expected one of {', '.join(FAULTS)}, found {name!r}")
+        if not (math.isfinite(rate) and rate >= 0.0):
+            raise ConfigurationError(f"fault rates, {name}: expected a number a day of at least 0, found {rate}")
+        at_s = 0.0
+        while rate > 0.0 and (at_s := at_s + float(generator.exponential(86_400.0 / rate))) < horizon_s:
+            found.append((name, at_s))
+    return tuple(sorted(found, key=lambda fault: (fault[1], fault[0])))
 
 
 class FaultSchedule:

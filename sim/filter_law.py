@@ -136,7 +136,7 @@ def take(f: Memory, x: Memory, hx: float, hy: float, hz: float, residual: float,
 
 @compiled
 def correct(f: Memory, s: Memory, sun_I: Memory) -> None:
-    """Take the star tracker's and the Sun sensors' readings."""
+    """Take the star tracker's reading, or the Sun sensors' while it is blind: beside it they tell nothing."""
     x = f[SCRATCH : SCRATCH + 6]
     for k in range(6):
         x[k] = 0.0
@@ -147,7 +147,7 @@ def correct(f: Memory, s: Memory, sun_I: Memory) -> None:
         take(f, x, 1.0, 0.0, 0.0, sign * (w * tx - a * tw - b * tz + c * ty), s[TRACKER_NOISE] ** 2)
         take(f, x, 0.0, 1.0, 0.0, sign * (w * ty + a * tz - b * tw - c * tx), s[TRACKER_NOISE + 1] ** 2)
         take(f, x, 0.0, 0.0, 1.0, sign * (w * tz - a * ty + b * tx - c * tw), s[TRACKER_NOISE + 2] ** 2)
-    if s[SUN_SEEN] != 0.0:
+    elif s[SUN_SEEN] != 0.0:
         sx, sy, sz = sun_I[0], sun_I[1], sun_I[2]
         tx, ty, tz = 2.0 * (c * sy - b * sz), 2.0 * (a * sz - c * sx), 2.0 * (b * sx - a * sy)
         px = sx + w * tx - (b * tz - c * ty)

@@ -17,7 +17,8 @@ from types import ModuleType
 import numpy as np
 
 from sim import control_law, filter_law
-from sim.components import power, thrusters, wheels, wings
+from sim.components import ion_engine, power, radio, thrusters, wheels, wings
+from sim.config import SpacecraftConfig
 from sim.control import AttitudeControl
 from sim.dictionary import counts_per_unit
 from sim.environment import Environment
@@ -29,7 +30,11 @@ from sim.physics import Physics
 # Places in the surroundings' memory: what acts on the spacecraft and what it sees.
 SUN_I, SUN_B, THRUST_N, SUNLIGHT_N, PRESSURE_CENTRE = 0, 3, 6, 7, 8
 ACTUATORS, USE_TRUTH, UNLOAD_NM, UNLOADED_NMS, THRUST_I = 11, 12, 13, 14, 15
-SIZE = 18
+EARTH_I, EARTH_COS, BEAM_COS, QUIET, PROPELLANT_TAKEN_KG = 18, 21, 22, 23, 24
+SIZE = 25
+_WINGS_REST_RAD_S = 1.0e-4
+# The mass in the physics follows the propellant in grains of this size, half a minute of thrust: 2e-7 of the mass.
+PROPELLANT_GRAIN_KG = 1.0e-4
 WITH_WHEELS, UNLOADING, WITH_THRUSTERS = 0.0, 1.0, 2.0
 
 # What the compiled functions answer, and the component that it accuses.
@@ -59,6 +64,29 @@ def unload(e: Memory, r: Memory, w: Memory, dt_s: float) -> None:
         return
     gain = -min(e[UNLOAD_NM], 0.05 * size) / size
     thrusters.fire(r, dt_s, gain * hx, gain * hy, gain * hz)
+
+
+@compiled
+def look_to_earth(e: Memory, qpos: Memory) -> None:
+    """Cosine between the antenna, +X of the body, and the direction to the Earth."""
+    w, x, y, z = qpos[3], qpos[4], qpos[5], qpos[6]
+    ex, ey, ez = e[EARTH_I], e[EARTH_I + 1], e[EARTH_I + 2]
+    e[EARTH_COS] = (1.0 - 2.0 * (y * y + z * z)) * ex + 2.0 * (x * y + w * z) * ey + 2.0 * (x * z - w * y) * ez
+
+
+@compiled
+def is_quiet(c: Memory, e: Memory, qvel: Memory) -> float:
+    """1.0 when nothing turns: settled, wheels in charge, wings at rest."""
+    turning = abs(qvel[10]) + abs(qvel[11]) > _WINGS_REST_RAD_S
+    return 0.0 if turning or c[control_law.SETTLED] == 0.0 or e[ACTUATORS] != WITH_WHEELS else 1.0
+
+
+@compiled
+def is_usual(p: Memory, n: Memory, r: Memory, e: Memory) -> bool:
+    """False when somebody should look: bus in undervoltage, engine out of xenon, a grain of propellant gone."""
+    gone_kg = n[ion_engine.USED_KG] + r[thrusters.USED_KG] - e[PROPELLANT_TAKEN_KG]
+    dry = n[ion_engine.BURNING] != 0.0 and n[ion_engine.LEFT_KG] <= 0.0
+    return bool(p[power.UNDERVOLTAGE] == 0.0 and gone_kg < PROPELLANT_GRAIN_KG and not dry)
 
 
 @compiled
@@ -106,12 +134,14 @@ def _places() -> tuple[int, ...]:
         power.SIZE,
         filter_law.SENSORS_SIZE,
         filter_law.FILTER_SIZE,
+        ion_engine.SIZE,
+        radio.SIZE,
         SIZE,
     )
     return tuple(itertools.accumulate(sizes, initial=0))
 
 
-_C, _W, _R, _G, _P, _S, _F, _E, _END = _places()
+_C, _W, _R, _G, _P, _S, _F, _N, _D, _E, _END = _places()
 
 
 def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
@@ -144,6 +174,10 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
         power.step(p, dt_s)
         if not math.isfinite(p[power.SOC]):
             return 5
+        ion_engine.burn(block[_N:_D], dt_s)
+        if e[EARTH_COS] >= e[BEAM_COS]:
+            radio.play(block[_D:_E], dt_s)
+        e[QUIET] = is_quiet(c, e, qvel)
         for k in range(13):
             block[_END + k] = qpos[k]
         for k in range(12):
@@ -154,7 +188,7 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
     def after(block: Memory, qpos: Memory, qvel: Memory, noise: Memory, row: int, dt_s: float) -> int:
         assert stamp
         c, w, p = block[_C:_W], block[_W:_R], block[_P:_S]
-        s, f, e = block[_S:_F], block[_F:_E], block[_E:_END]
+        s, f, e = block[_S:_F], block[_F:_N], block[_E:_END]
         total = 0.0
         for k in range(12):
             total += qvel[k]
@@ -179,8 +213,9 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
             c[control_law.RATE + k] = qvel[3 + k] if truth else reading
         control_law.observe(c, dt_s)
         sun_in_body(e, qpos)
+        look_to_earth(e, qpos)
         power.observe(p, wings.incidence(qpos[11], qpos[12], e[SUN_B], e[SUN_B + 2]))
-        return 0
+        return 0 if is_usual(p, block[_N:_D], block[_R:_G], e) else -1
 
     return before, after
 
@@ -194,7 +229,7 @@ def read_rounded(block: Memory, places: Memory, counts_per_unit: Memory, out: Me
 
 
 def _stamp() -> str:
-    modules: tuple[ModuleType, ...] = (control_law, filter_law, power, thrusters, wheels, wings)
+    modules: tuple[ModuleType, ...] = (control_law, filter_law, ion_engine, power, radio, thrusters, wheels, wings)
     return hashlib.sha256("".join(map(inspect.getsource, modules)).encode()).hexdigest()
 
 
@@ -212,16 +247,21 @@ class Units:
     power: power.Power
     sensors: Sensors
     estimator: Estimator
+    engine: ion_engine.IonEngine
+    recorder: radio.Recorder
 
 
 class FlightLoop:
     """Takes units and physics through time. The units' memories become parts of one block, quick to hand over."""
 
-    def __init__(self, physics: Physics, units: Units, surroundings: Memory) -> None:
+    def __init__(self, config: SpacecraftConfig, physics: Physics, units: Units, surroundings: Memory) -> None:
+        period = float(config.control_period_s)
+        self._steps = (round(period / config.time_step_s), config.time_step_s)
+        self._quiet_steps = (round(period / config.quiet_time_step_s), config.quiet_time_step_s)
         self._physics = physics
         self._sensors = units.sensors
         self._block: Memory = np.zeros(_END + 25)
-        starts = (_C, _W, _R, _G, _P, _S, _F)
+        starts = (_C, _W, _R, _G, _P, _S, _F, _N, _D)
         owners = (getattr(units, field.name) for field in fields(units))
         for owner, start in zip(owners, starts, strict=True):
             part = self._block[start : start + len(owner.memory)]
@@ -238,33 +278,35 @@ class FlightLoop:
                 (units.thrusters, _R),
                 (units.power, _P),
                 (units.estimator, _F),
+                (units.engine, _N),
+                (units.recorder, _D),
             )
             for channel, place in unit.READINGS.items()
         ]
         self.channels = tuple(channel for channel, _ in readings)
-        self._places = np.array([float(place) for _, place in readings])
-        self._counts_per_unit = np.array([counts_per_unit(channel) for channel in self.channels])
-        self._out = np.zeros(len(readings))
+        states = (_C + control_law.SETTLED, _S + filter_law.TRACKER_VALID, _E + ACTUATORS)
+        self._places = np.array([*(float(place) for _, place in readings), *map(float, states)])
+        counts = [counts_per_unit(channel) for channel in self.channels]
+        self._counts_per_unit = np.array([*counts, *(1.0 for _ in states)])
+        self._out = np.zeros(len(self._places))
 
     def __repr__(self) -> str:
         return f"FlightLoop({self._physics!r})"
 
     def readings(self) -> list[float]:
-        """The analogue values of `channels`, rounded to their resolution."""
+        """The analogue values of `channels`, rounded to their resolution, then settled, tracker valid, actuators."""
         read_rounded(self._block, self._places, self._counts_per_unit, self._out)
         values: list[float] = self._out.tolist()
         return values
 
     def look_around(self, environment: Environment, time_s: float) -> None:
-        """Take the Sun's direction and light at `time_s`, and what of them reaches body and wings."""
+        """Take the directions of Sun and Earth at `time_s`, and what of the light reaches body and wings."""
         e = self.surroundings
         e[SUN_I : SUN_I + 3] = environment.sun_direction_I(time_s)
-        self.look_at_balance()
-
-    def look_at_balance(self) -> None:
-        """What reaches the wings now against what the loads draw now."""
-        e, qpos = self.surroundings, self._physics.qpos_view
+        e[EARTH_I : EARTH_I + 3] = environment.direction_I(environment.earth, time_s)
+        qpos = self._physics.qpos_view
         sun_in_body(e, qpos)
+        look_to_earth(e, qpos)
         light = wings.incidence(float(qpos[11]), float(qpos[12]), float(e[SUN_B]), float(e[SUN_B + 2]))
         power.observe(self._block[_P:_S], light)
 
@@ -275,16 +317,20 @@ class FlightLoop:
         if status != _FINE:
             self._accuse(status)
 
-    def after(self, steps: int, dt_s: float) -> None:
-        """The physics for `dt_s`, in `steps`, then sensors, filter and what control makes of them."""
+    def after(self, dt_s: float) -> bool:
+        """The physics for `dt_s`, then sensors, filter, control; True when somebody should look."""
         physics = self._physics
-        physics.step(steps)
+        if self.surroundings[QUIET]:
+            physics.step(*self._quiet_steps)
+        else:
+            physics.step(*self._steps)
         noise, row = self._sensors.noise()
         status = _AFTER(self._block, physics.qpos_view, physics.qvel_view, noise, row, dt_s)
         if status == _PHYSICS:
             physics.explain()
-        elif status != _FINE:
+        elif status > _FINE:
             self._accuse(status)
+        return bool(status < _FINE)
 
     def _accuse(self, status: int) -> None:
         raise SimulationError(_BROKEN[status], self._physics.time_s, "expected finite numbers, found one that is not")

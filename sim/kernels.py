@@ -1,6 +1,6 @@
 """Compilation of the arithmetic that runs every second of flight.
 
-The functions marked `compiled` work on arrays of floats, are plain Python to read and to debug (`function.py_func`),
+The functions marked `compiled` work on arrays of floats, are plain Python to read and to debug (`NUMBA_DISABLE_JIT=1`),
 and go through numba where it is installed; without it they run as they stand, some ten times slower, to the same
 numbers up to the last digits of the sine. The first flight on a machine compiles for some seconds; the result is
 cached beside the source.
@@ -31,8 +31,3 @@ def compiled(function: _Function) -> _Function:
     from numba import njit
 
     return cast(_Function, njit(cache=True)(function))
-
-
-def plain(function: _Function) -> _Function:
-    """The function behind `compiled`, for comparison."""
-    return cast(_Function, getattr(function, "py_func", function))

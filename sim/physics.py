@@ -64,6 +64,8 @@ class Physics:
         self._force_view = self._data.qfrc_applied[0:6]
         self._qpos_before, self._qvel_before = self.qpos_view.copy(), self.qvel_view.copy()
         self._time_before = 0.0
+        self._step_s = float(assembly.model.opt.timestep)
+        self.steps = 0
         self.drive_views = (self.qpos_view, self.qvel_view, self._ctrl_view, self._force_view)
 
     def __repr__(self) -> str:
@@ -150,16 +152,19 @@ class Physics:
             self._refuse(controls)
         self._qpos_before[:] = self.qpos_view
         self._qvel_before[:] = self.qvel_view
-        self.step(steps)
+        self.step(steps, self._step_s)
         if not math.isfinite(sum(self.qvel)):
             self.explain()
 
-    def step(self, steps: int) -> None:
-        """Take `steps` steps under the controls and forces that lie in `drive_views`.
+    def step(self, steps: int, step_s: float) -> None:
+        """Take `steps` steps of `step_s` under the controls and forces that lie in `drive_views`.
 
         Raises `SimulationError` when MuJoCo warns; whether the state is finite the caller has to see, and to `explain`.
         """
+        if step_s != self._step_s:
+            self._step_s = self._model.opt.timestep = step_s
         self._time_before = self._data.time
+        self.steps += steps
         mujoco.mj_step(self._model, self._data, nstep=steps)
         if self._warnings_view.tolist() != _NO_WARNINGS:
             self.explain()

@@ -19,7 +19,7 @@ from sim.components import thrusters
 from sim.components.camera import Camera
 from sim.components.ion_engine import IonEngine
 from sim.components.power import SWITCHED_W, Power
-from sim.components.radio import Radio, Recorder
+from sim.components.radio import RATE_MBIT_S, Radio, Recorder
 from sim.components.switchboard import Switchboard
 from sim.components.terminal import Acknowledgement, BusTerminal
 from sim.components.thrusters import Thrusters
@@ -42,8 +42,6 @@ from sim.rendering import Renderer
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
 _GENERATORS = ("wheels", "ips", "micas", "sensors")
 _SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
-# The mass in the physics follows the propellant in grains of this size, half a minute of thrust: 2e-7 of the mass.
-_PROPELLANT_GRAIN_KG = 1.0e-4
 _ACTUATORS = ("wheels", "unloading", "thrusters")
 _UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
 
@@ -103,18 +101,33 @@ class Spacecraft:
         self._switchboard = Switchboard()
         self._faults = FaultSchedule(self._fault_hooks())
         units = Units(
-            self._control, self._wheels, self._thrusters, self._wings, self._power, self._sensors, self._estimator
+            self._control,
+            self._wheels,
+            self._thrusters,
+            self._wings,
+            self._power,
+            self._sensors,
+            self._estimator,
+            self._engine,
+            self._recorder,
         )
-        self._loop = FlightLoop(self._physics, units, self._new_surroundings())
+        self._loop = FlightLoop(config, self._physics, units, self._new_surroundings())
         self._surroundings = self._loop.surroundings
         self._loop.look_around(self.environment, 0.0)
         self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
-        # What telemetry has to ask anew: all after something was switched, some after a busy second.
-        self._switched = self._was_busy = True
-        self._steps = round(config.control_period_s / config.time_step_s)
+        # Units whose telemetry changes only when something is switched, and whether it has been since the last look.
+        self._switched_units = (
+            self._control,
+            self._power,
+            self._radio,
+            self._switchboard,
+            self._thrusters,
+            self._engine,
+            self._camera,
+        )
+        self._switched = True
         self._ticks = 0
         self._was_undervoltage = False
-        self._propellant_removed_kg = 0.0
         self._renderer: Renderer | None = None
         self._balance()
 
@@ -129,7 +142,7 @@ class Spacecraft:
     @property
     def physics_steps(self) -> int:
         """Integration steps so far."""
-        return self._ticks * self._steps
+        return self._physics.steps
 
     @property
     def config(self) -> SpacecraftConfig:
@@ -173,16 +186,14 @@ class Spacecraft:
         """Every channel of `sim.dictionary` now, rounded to its resolution, in the table's order."""
         values = self._values
         if self._switched:
-            for unit in (self._control, self._power, self._radio, self._switchboard, self._thrusters):
+            self._switched = False
+            for unit in self._switched_units:
                 values.update(round_telemetry({**unit.telemetry()}))
-        if self._switched or self._was_busy:
-            for busy in (self._engine, self._camera, self._recorder):
-                values.update(round_telemetry({**busy.telemetry()}))
-            self._switched = self._was_busy = False
-        values["acs.state"] = self._control.state
-        values["tracker.state"] = self._sensors.tracker_state
-        values["acs.actuators"] = _ACTUATORS[int(self._surroundings[loop.ACTUATORS])]
-        values.update(zip(self._loop.channels, self._loop.readings(), strict=True))
+        *readings, settled, tracker_valid, actuators = self._loop.readings()
+        values.update(zip(self._loop.channels, readings, strict=True))
+        values["acs.state"] = "settled" if settled else "slewing"
+        values["tracker.state"] = "tracking" if tracker_valid else self._sensors.tracker_state
+        values["acs.actuators"] = _ACTUATORS[int(actuators)]
         return values.copy()
 
     def inject(
@@ -244,49 +255,40 @@ class Spacecraft:
         x, y, z = self._surroundings[loop.THRUST_I : loop.THRUST_I + 3].tolist()
         return (x, y, z)
 
+    def _take_out_propellant(self) -> None:
+        used_kg = self._propellant_used_kg
+        if used_kg - self._surroundings[loop.PROPELLANT_TAKEN_KG] >= loop.PROPELLANT_GRAIN_KG:
+            self._surroundings[loop.PROPELLANT_TAKEN_KG] = used_kg
+            self._physics.set_xenon_used(used_kg)
+
     def _new_surroundings(self) -> Memory:
         config = self._config
         e = loop.surroundings()
         e[loop.SUNLIGHT_N] = config.solar_pressure_1au_Pa * config.sunlit_area_m2 / config.sun_distance_au**2
         e[loop.PRESSURE_CENTRE : loop.PRESSURE_CENTRE + 3] = config.pressure_centre_B_m
+        e[loop.BEAM_COS] = math.cos(config.antenna_half_beam_rad)
         e[loop.USE_TRUTH] = config.attitude_source == "truth"
         e[loop.UNLOAD_NM], e[loop.UNLOADED_NMS] = config.unload_Nm, config.unloaded_Nms
         return e
 
     def _tick(self, dt_s: float) -> None:
         self._loop.before(dt_s)
-        changed = self._operate(dt_s)
-        self._loop.after(self._steps, dt_s)
+        changed = False
+        if self._engine.busy:
+            state = self._engine.state
+            self._engine.step(dt_s)
+            changed = state != self._engine.state
+        if self._camera.busy:
+            changed = self._operate_camera(dt_s) or changed
+        changed = self._loop.after(dt_s) or changed
         self._ticks += 1
-        if changed or self._power.undervoltage != self._was_undervoltage:
+        if changed or self._was_undervoltage:
             self._balance()
         if self._faults.update(self.time):
             self._balance()
 
-    def _operate(self, dt_s: float) -> bool:
-        """Let time pass for the units that are doing something; whether one of them may draw another power now."""
-        changed = False
-        engine, camera = self._engine, self._camera
-        if engine.busy:
-            self._was_busy = True
-            state = engine.state
-            engine.step(dt_s)
-            changed = state != engine.state
-        if camera.busy:
-            changed = self._operate_camera(dt_s) or changed
-        if self._radio.state == "downlinking":
-            self._was_busy = True
-            attitude_IB, time_s = self._physics.attitude_IB, float(self.time)
-            error = self.environment.pointing_error_rad(attitude_IB, self.environment.earth, time_s)
-            self._recorder.play(self._radio.step(dt_s, error <= self._config.antenna_half_beam_rad))
-        if self._propellant_used_kg - self._propellant_removed_kg >= _PROPELLANT_GRAIN_KG:
-            self._propellant_removed_kg = self._propellant_used_kg
-            self._physics.set_xenon_used(self._propellant_removed_kg)
-        return changed
-
     def _operate_camera(self, dt_s: float) -> bool:
         camera, state = self._camera, self._camera.state
-        self._was_busy = True
         if camera.shutter_open:
             error = self.environment.pointing_error_rad(self._physics.attitude_IB, camera.target, float(self.time))
             camera.watch(error, math.hypot(*self._physics.rate_B))
@@ -309,6 +311,9 @@ class Spacecraft:
         self._thrusters.memory[thrusters.POWERED] = board.fed("neb1s")
         self._terminals["lpe"].powered = board.lpe_fed
         board.carry(self._camera.power_W)
+        self._engine.notice()
+        self._recorder.memory[RATE_MBIT_S] = self._radio.rate_Mbit_s
+        self._take_out_propellant()
         self._surroundings[loop.THRUST_N] = self._engine.thrust_N
         load_W = self._engine.power_W + self._camera.power_W + self._radio.power_W + board.power_W
         self._power.memory[SWITCHED_W] = load_W

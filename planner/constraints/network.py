@@ -60,9 +60,10 @@ class Variable:
 
 
 class TimeVariable:
-    """A timepoint as a variable: its domain is what the temporal network says."""
+    """A timepoint as a variable: its domain is what the temporal network says. `narrowings`: the temporal constraints
+    that restricted it."""
 
-    __slots__ = ("name", "owner", "temporal", "timepoint", "watchers")
+    __slots__ = ("name", "narrowings", "owner", "temporal", "timepoint", "watchers")
 
     def __init__(self, name: str, timepoint: int, temporal: TemporalNetworkManager, owner: Owner) -> None:
         self.name = name
@@ -70,6 +71,7 @@ class TimeVariable:
         self.temporal = temporal
         self.owner = owner
         self.watchers: list[Propagator] = []
+        self.narrowings: list[int] = []
 
     @property
     def domain(self) -> Domain:
@@ -85,10 +87,11 @@ class DurationVariable:
     """The distance from one timepoint to another as a variable: what is stated of it, within the bounds of both ends.
 
     Of a duration that nature decides (`by_nature`) only what is stated counts: what the network wants of it is no
-    reason for nature. `latest`: the index of the latest change of `stated` in the log, or -1.
+    reason for nature. `latest`: the index of the latest change of `stated` in the log, or -1. `narrowings`: the
+    temporal constraints that restricted it.
     """
 
-    __slots__ = ("by_nature", "end", "latest", "name", "owner", "start", "stated", "watchers")
+    __slots__ = ("by_nature", "end", "latest", "name", "narrowings", "owner", "start", "stated", "watchers")
 
     def __init__(self, name: str, start: TimeVariable, end: TimeVariable, stated: Interval, owner: Owner) -> None:
         self.name = name
@@ -97,6 +100,7 @@ class DurationVariable:
         self.stated = stated
         self.owner = owner
         self.watchers: list[Propagator] = []
+        self.narrowings: list[int] = []
         self.latest = -1
         self.by_nature = False
 
@@ -181,13 +185,17 @@ class ConstraintNetworkManager:
         self._in_force = 0
         self._time_watchers: dict[int, list[AnyVariable]] = {}
         self._queue: deque[Propagator] = deque()
+        self._postponed: deque[Propagator] = deque()
+        # All that were ever put on watch and not undone, in order, and those of them that read times and are there.
+        self.propagators: list[Propagator] = []
+        self.readers_of_time: list[Propagator] = []
         trail.join(self)
 
     # Undo log of the domains
 
     def mark(self) -> int:
         """The position in the log of domain changes; ValueError unless the network is at a fixpoint."""
-        if self._queue or self._in_force != len(self._edges):
+        if self._queue or self._postponed or self._in_force != len(self._edges):
             raise ValueError("a level is opened at a fixpoint: expected `propagate` before `push`")
         return len(self._changes)
 
@@ -238,13 +246,28 @@ class ConstraintNetworkManager:
         lower = new.lower if new.lower > old.lower else -math.inf
         upper = new.upper if new.upper < old.upper else math.inf
         if isinstance(variable, TimeVariable):
-            self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, because)
+            edge = self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, because)
         else:
             self._note(variable, variable.stated, because)
             variable.stated = variable.stated.bounded(lower, upper)
-            self.distance(variable.start, variable.end, lower, upper, because)
+            edge = self.distance(variable.start, variable.end, lower, upper, because)
             self._enqueue_all(variable.watchers)
+        self.trail.append(variable.narrowings, edge)
         return True
+
+    def bound(self, variable: TimeVariable | DurationVariable, domain: Interval, because: Owner) -> None:
+        """Restrict a time in full, where other constraints bound it more tightly for now too."""
+        given = Interval(-math.inf, math.inf).intersect(domain)
+        if variable.domain.intersect(given).is_empty:
+            raise Inconsistency(because, variable)
+        if isinstance(variable, TimeVariable):
+            edge = self._post_edge(self.temporal.ORIGIN, variable.timepoint, given.lower, given.upper, because)
+        else:
+            self._note(variable, variable.stated, because)
+            variable.stated = variable.stated.bounded(given.lower, given.upper)
+            edge = self.distance(variable.start, variable.end, given.lower, given.upper, because)
+            self._enqueue_all(variable.watchers)
+        self.trail.append(variable.narrowings, edge)
 
     def _note(self, variable: Variable | DurationVariable, old: Domain, because: Owner) -> None:
         self._changes.append((variable, old, because, variable.latest, self._in_force))
@@ -260,6 +283,9 @@ class ConstraintNetworkManager:
 
     def watch(self, propagator: Propagator) -> None:
         """Queue a propagator now, and whenever a variable of its scope changes."""
+        self.trail.append(self.propagators, propagator)
+        if any(not isinstance(variable, Variable) for variable in propagator.scope):
+            self.trail.append(self.readers_of_time, propagator)
         self.alert(propagator)
         self._enqueue(propagator)
 
@@ -289,11 +315,21 @@ class ConstraintNetworkManager:
         """When a temporal constraint was posted."""
         return self._edges[edge][1]
 
+    @property
+    def posted(self) -> int:
+        """The number of temporal constraints, those that wait for propagation included."""
+        return len(self._edges)
+
     def now(self) -> Moment:
         """The present moment."""
         return Moment(len(self._changes), self._in_force)
 
     # Propagation
+
+    def postpone(self, propagator: Propagator) -> None:
+        """Have a propagator run once, when everything else has come to its fixpoint."""
+        propagator.queued = True
+        self._postponed.append(propagator)
 
     def propagate(self) -> None:
         """Run to the joint fixpoint of procedures and temporal network; Inconsistency when there is no solution."""
@@ -306,7 +342,9 @@ class ConstraintNetworkManager:
                 for variable in self._time_watchers.get(timepoint, ()):
                     self._enqueue_all(variable.watchers)
             if not queue:
-                return
+                if not self._postponed:
+                    return
+                queue.append(self._postponed.popleft())
             while queue:
                 propagator = queue.popleft()
                 propagator.queued = False
@@ -349,9 +387,10 @@ class ConstraintNetworkManager:
                 self._queue.append(propagator)
 
     def _clear_queue(self) -> None:
-        for propagator in self._queue:
-            propagator.queued = False
-        self._queue.clear()
+        for waiting in (self._queue, self._postponed):
+            for propagator in waiting:
+                propagator.queued = False
+            waiting.clear()
 
 
 def ticks(value: float) -> int:

@@ -13,7 +13,9 @@ from planner.database import PlanDatabase
 from planner.domains import Domain
 from planner.errors import nearest
 from planner.model.classes import ModelObject
-from planner.operations.order import Lineup
+from planner.operations.order import Precedences
+from planner.operations.register import Register
+from planner.operations.retraction import Retraction, Unsuited, restrict, variable_of
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction, Statement
 from planner.tokens.token import GIVEN, Token, TokenState
 
@@ -32,43 +34,47 @@ class Refusal:
 
 @dataclass(frozen=True, slots=True)
 class _Level:
-    """A level of the trail: the operation that opened it, and the latest one that had been issued when it did."""
+    """A level of the trail. `operation`: the one that opened it; None: some were taken out in place, the lowest level
+    of which was `lowest`. `turn`: the latest operation that had been issued then."""
 
-    operation: Operation
+    operation: Operation | None
     turn: int
+    lowest: int = 0
 
 
 class Operations:
     """The operations on a database in which a problem has been stated and propagated.
 
     The database changes only through this object as long as it is used. ValueError for what makes no sense now, such
-    as inserting a token that is not open; a `Refusal` for what is inconsistent.
+    as inserting a token that is not open; a `Refusal` for what is inconsistent. `in_place`: undo by dependency where
+    that is exact; otherwise always by replay.
     """
 
-    def __init__(self, database: PlanDatabase) -> None:
+    def __init__(self, database: PlanDatabase, *, in_place: bool = True) -> None:
         self.database = database
+        self.in_place = in_place
         self._floor = database.trail.depth
         self._levels: list[_Level] = []
-        self._issued: list[Operation] = []
+        self._register = Register()
+        self._precedences = Precedences(database)
         self._count = 0
-        self._lineups: dict[tuple[str, str], Lineup] = {}
 
     # What there is
 
     @property
     def issued(self) -> tuple[Operation, ...]:
         """The operations that were issued and not undone, in order of issue."""
-        return tuple(self._issued)
+        return tuple(self._register.issued.values())
 
     @property
     def in_force(self) -> tuple[Operation, ...]:
         """Those that act on the plan, in order of issue."""
-        return tuple(o for o in self._issued if o.depth is not None)
+        return tuple(o for o in self._register.issued.values() if o.depth is not None)
 
     @property
     def dormant(self) -> tuple[Operation, ...]:
         """Those that wait for a token or a host to come back, in order of issue."""
-        return tuple(o for o in self._issued if o.depth is None)
+        return tuple(self._register.in_order())
 
     def open_tokens(self) -> tuple[str, ...]:
         """The paths of the tokens that are neither inserted nor codesignated."""
@@ -90,14 +96,14 @@ class Operations:
         if thing not in found.object.domain:
             raise ValueError(f"{found.name}: expected one of {found.object.domain!r}, found {thing}")
         attribute = found.predicate.attribute if found.kind == "timeline" else ""
-        operation = self._new(Insertion(found.name, thing.name, attribute))
+        operation = self._operation(Insertion(found.name, thing.name, attribute))
         if attribute:
             sequence = self.database.tokens.timelines[thing, found.predicate.attribute].sequence
             if not 0 <= position <= len(sequence):
                 raise ValueError(f"{found.name}: expected a position from 0 to {len(sequence)}, found {position}")
             before = sequence[position - 1].placed_by if position else None
             assert before is None or isinstance(before, Operation)
-            self._lineups.setdefault((thing.name, attribute), Lineup()).enter(operation, before)
+            self._register.place(operation, before)
         return self._issue(operation)
 
     def codesignate(self, token: Token | str, host: Token | str) -> Operation | Refusal:
@@ -108,60 +114,121 @@ class Operations:
         predicate = found.predicate
         if predicate is not other.predicate or predicate.solitary or found.must_host:
             raise ValueError(f"{found.name}: cannot be one with {other!r}")
-        return self._issue(self._new(Codesignation(found.name, other.name)))
+        return self._issue(self._operation(Codesignation(found.name, other.name)))
 
     def restrict(self, variable: AnyVariable, domain: Domain) -> Operation | Refusal:
         """Restrict a variable of a token or of a rule to a domain."""
         tokens = self.database.tokens
         if tokens.variables.get(variable.name) is variable:
-            return self._issue(self._new(Restriction("", variable.name, domain)))
+            return self._issue(self._operation(Restriction("", variable.name, domain)))
         path, _, name = variable.name.rpartition(".")
         token = tokens.by_name.get(path)
         if token is None or token.variable(name) is not variable:
             raise ValueError(f"{variable.name}: expected a variable of a token or of a rule, with a name of its own")
-        return self._issue(self._new(Restriction(path, name, domain)))
+        return self._issue(self._operation(Restriction(path, name, domain)))
 
     def undo(self, operation: Operation) -> None:
-        """Make the plan that of the other operations."""
-        if operation not in self._issued:
+        """Make the plan that of the other operations.
+
+        By undoing a level if it is the newest; else in place; else, where the order of events matters, by replay.
+        """
+        self._check_levels()
+        if self._register.issued.get(operation.number) is not operation:
             raise ValueError(f"{operation!r}: expected an operation that is not undone")
-        self._issued.remove(operation)
-        self._leave(operation)
-        if operation.depth is not None:
+        self._register.leave(operation)
+        if operation.depth is None:
+            return
+        newest = operation.depth == self.database.trail.depth - 1
+        if newest or not self.in_place or not self._retract(operation):
             self._replay(operation.depth)
 
     # Levels
 
-    def _new(self, statement: Statement) -> Operation:
+    def _check_levels(self) -> None:
         if self.database.trail.depth != self._floor + len(self._levels):
             raise ValueError("levels of the trail were opened or closed by others")
-        return Operation(self._count + 1, statement)
 
     def _issue(self, operation: Operation) -> Operation | Refusal:
         self._count = operation.number
+        self._register.enter(operation)
         if self._enter(operation):
-            self._issued.append(operation)
             self._retry()
             return operation
-        self._leave(operation)
+        self._register.leave(operation)
         return Refusal(operation.statement, operation.reason)
 
+    def _retract(self, operation: Operation) -> bool:
+        """Take an operation out in place; False, and nothing has changed, if only replay is exact."""
+        if self._order_matters():
+            return False
+        database, count = self.database, len(self._levels)
+        retraction = Retraction(database, self._register, self._precedences)
+        try:
+            retraction.run(operation)
+        except Unsuited:
+            return False
+        before = [(o, o.depth) for o in retraction.suspended.values() if o.depth is not None]
+        depth = database.trail.push()
+        self._levels.append(_Level(None, self._count, min(level for _, level in before)))
+        try:
+            retraction.carry_out()
+            database.network.propagate()
+            done = True
+        except Inconsistency:
+            done = False
+        if done:
+            retraction.unsettle()
+            self._retry()
+            if not self._order_matters():
+                return True
+        self._drop_levels(count)
+        database.trail.pop_to(depth)
+        for suspended, level in before:
+            suspended.depth = level
+            self._register.wake(suspended)
+        return False
+
+    def _order_matters(self) -> bool:
+        return any(map(self._is_displaced, self._register.hopeful(self.database.tokens.by_name.keys())))
+
+    def _is_displaced(self, operation: Operation) -> bool:
+        """Whether a dormant operation waits for more than something that is not there: which of two operations that
+        exclude each other acts depends on the order in which they came."""
+        statement = operation.statement
+        if operation.reason:
+            return True
+        if isinstance(statement, Restriction):
+            return False
+        token = self.database.tokens.by_name.get(statement.token)
+        return token is not None and token.state is not TokenState.INACTIVE
+
+    def _drop_levels(self, count: int) -> None:
+        for level in self._levels[count:]:
+            if level.operation is not None:
+                self._register.suspend(level.operation)
+        del self._levels[count:]
+
     def _replay(self, depth: int) -> None:
-        """Undo the levels from a depth on and issue their operations again, but those that were undone."""
-        place = depth - self._floor
+        """Undo the levels from a depth on and issue their operations again, but those that were undone.
+
+        Levels that lie above a removal in place but speak of a time before it are no plan of the operations that are
+        left: they go too.
+        """
+        place = len(self._levels)
+        while place > depth - self._floor:
+            place -= 1
+            if self._levels[place].operation is None:
+                depth = min(depth, self._levels[place].lowest)
         turn = self._levels[place].turn
-        for level in self._levels[place:]:
-            level.operation.depth = None
-        del self._levels[place:]
+        self._drop_levels(place)
         self.database.trail.pop_to(depth)
         last, self._count = self._count, turn
         self._retry()
-        for operation in self._issued:
-            if operation.number > turn:
-                self._count = operation.number
-                if operation.depth is None and self._is_ready(operation):
-                    self._enter(operation)
-                self._retry()
+        for operation in self._register.after(turn):
+            self._count = operation.number
+            if operation.depth is None and self._is_ready(operation):
+                self._enter(operation)
+            self._retry()
         self._count = last
 
     def _retry(self) -> None:
@@ -169,10 +236,8 @@ class Operations:
         again = True
         while again:
             again = False
-            for operation in self._issued:
-                if operation.number > self._count:
-                    break
-                if operation.depth is None and self._is_ready(operation):
+            for operation in self._register.hopeful(self.database.tokens.by_name.keys()):
+                if operation.number <= self._count and self._is_ready(operation):
                     again |= self._enter(operation)
 
     def _enter(self, operation: Operation) -> bool:
@@ -180,13 +245,16 @@ class Operations:
         database = self.database
         depth = database.trail.push()
         try:
+            before = database.tokens.measure()
             self._apply(operation)
+            operation.extent = database.tokens.extent_since(before)
             database.network.propagate()
         except Inconsistency as inconsistency:
             operation.reason = tuple(dict.fromkeys(map(str, database.network.explain(inconsistency))))
             database.trail.pop_to(depth)
             return False
         operation.depth, operation.reason = depth, ()
+        self._register.wake(operation)
         self._levels.append(_Level(operation, self._count))
         return True
 
@@ -196,7 +264,7 @@ class Operations:
         """Whether what the operation speaks of is there."""
         tokens, statement = self.database.tokens, operation.statement
         if isinstance(statement, Restriction):
-            return self._variable(statement) is not None
+            return variable_of(self.database, statement) is not None
         token = tokens.by_name.get(statement.token)
         if token is None or token.state is not TokenState.INACTIVE:
             return False
@@ -207,51 +275,33 @@ class Operations:
 
     def _apply(self, operation: Operation) -> None:
         tokens, statement = self.database.tokens, operation.statement
-        if isinstance(statement, Restriction):
-            variable = self._variable(statement)
-            assert variable is not None
-            self.database.network.restrict(variable, statement.domain, operation)
-            return
-        token = tokens.by_name[statement.token]
         if isinstance(statement, Codesignation):
-            tokens.merge(token, tokens.by_name[statement.host], operation)
+            tokens.merge(tokens.by_name[statement.token], tokens.by_name[statement.host], operation)
             return
-        thing = self._object(statement.object)
-        self.database.network.restrict(token.object, tokens.domain_of_object(thing), operation)
-        if token.kind == "timeline":
-            tokens.insert(token, self._position(operation, token), operation)
-        else:
-            tokens.activate(token, operation)
+        restrict(self.database, operation)
+        if isinstance(statement, Insertion):
+            token = tokens.by_name[statement.token]
+            if statement.attribute:
+                self._take_slot(operation, token)
+            else:
+                tokens.activate(token, operation)
 
-    def _position(self, operation: Operation, token: Token) -> int:
-        """The place in the sequence: after the nearest predecessor that is there."""
-        sequence = self.database.tokens.timeline_of(token).sequence
-        lineup = self._lineup(operation)
+    def _take_slot(self, operation: Operation, token: Token) -> None:
+        """Insert a token after the nearest predecessor that is there."""
+        tokens, network = self.database.tokens, self.database.network
+        sequence, lineup = tokens.timeline_of(token).sequence, self._register.lineup(operation)
         assert lineup is not None
-        before = lineup.predecessor(operation)
-        if before is None:
-            return 0
-        assert isinstance(before.statement, Insertion)
-        return sequence.index(self.database.tokens.by_name[before.statement.token]) + 1
-
-    def _lineup(self, operation: Operation) -> Lineup | None:
-        statement = operation.statement
-        if isinstance(statement, Insertion) and statement.attribute:
-            return self._lineups[statement.object, statement.attribute]
-        return None
-
-    def _leave(self, operation: Operation) -> None:
-        """An operation that is no more has no place among the insertions of its timeline."""
-        lineup = self._lineup(operation)
-        if lineup is not None:
-            lineup.leave(operation)
-
-    def _variable(self, statement: Restriction) -> AnyVariable | None:
-        tokens = self.database.tokens
-        if not statement.token:
-            return tokens.variables.get(statement.variable)
-        token = tokens.by_name.get(statement.token)
-        return None if token is None else token.variable(statement.variable)
+        before, position = lineup.predecessor(operation), 0
+        if before is not None:
+            assert isinstance(before.statement, Insertion)
+            position = sequence.index(tokens.by_name[before.statement.token]) + 1
+        edge = network.posted
+        tokens.insert(token, position, operation)
+        if position > 0:
+            self._precedences.note(edge, sequence[position - 1], token)
+            edge += 1
+        if position + 1 < len(sequence):
+            self._precedences.note(edge, token, sequence[position + 1])
 
     # Names
 
@@ -268,6 +318,10 @@ class Operations:
         if found.state is not TokenState.INACTIVE:
             raise ValueError(f"{found.name}: expected an open token, found it {found.state.name.lower()}")
         return found
+
+    def _operation(self, statement: Statement) -> Operation:
+        self._check_levels()
+        return Operation(self._count + 1, statement)
 
     def _object(self, object_: ModelObject | str) -> ModelObject:
         objects = self.database.model.objects

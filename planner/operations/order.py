@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+from planner.database import PlanDatabase
 from planner.operations.statements import Operation
+from planner.tokens.token import Token
 
 
 class Lineup:
@@ -27,3 +31,37 @@ class Lineup:
             if self._line[place].depth is not None:
                 return self._line[place]
         return None
+
+
+class Precedences:
+    """The temporal constraints between neighbours on timelines, by the paths of the tokens that they bind.
+
+    Of tokens that were neighbours once and are no more they still hold, and say nothing new.
+    """
+
+    def __init__(self, database: PlanDatabase) -> None:
+        self._database = database
+        self._bonds: dict[str, list[tuple[int, str]]] = {}
+
+    def note(self, edge: int, first: Token, second: Token) -> None:
+        """A temporal constraint lets one token end before another starts."""
+        for one, other in ((first.name, second.name), (second.name, first.name)):
+            self._database.trail.append(self._bonds.setdefault(one, []), (edge, other))
+
+    def of(self, token: Token) -> list[int]:
+        """The constraints that bind a token."""
+        return [edge for edge, _ in self._bonds.get(token.name, ())]
+
+    def forget(self, token: Token) -> None:
+        """The constraints that bind a token are taken out."""
+        trail, bonds = self._database.trail, self._bonds.get(token.name, [])
+        for other in {other for _, other in bonds}:
+            trail.set(self._bonds, other, [bond for bond in self._bonds[other] if bond[1] != token.name])
+        if bonds:
+            trail.set(self._bonds, token.name, [])
+
+    def link(self, first: Token, second: Token) -> None:
+        """Let neighbours follow each other, unless they do."""
+        if all(other != second.name for _, other in self._bonds.get(first.name, ())):
+            edge = self._database.network.distance(first.end, second.start, 0, math.inf, second.placed_by)
+            self.note(edge, first, second)

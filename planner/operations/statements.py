@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from planner.domains import Domain
+from planner.tokens.instance import Extent
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +53,17 @@ class Operation:
     """An operation that was issued and not undone: the owner of what it posts, so that explanations can name it.
 
     `number`: its place in the order of issue. `depth`: the level of the trail that it opened, None while dormant.
-    `reason`: why it is dormant although its tokens are there, otherwise empty.
+    `reason`: why it is dormant although its tokens are there, otherwise empty. `extent`: what it posted itself.
     """
 
-    __slots__ = ("depth", "number", "reason", "statement")
+    __slots__ = ("depth", "extent", "number", "reason", "statement")
 
     def __init__(self, number: int, statement: Statement) -> None:
         self.number = number
         self.statement = statement
         self.depth: int | None = None
         self.reason: tuple[str, ...] = ()
+        self.extent: Extent | None = None
 
     def __repr__(self) -> str:
         return repr(self.statement)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from types import NoneType
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -236,11 +236,13 @@ def _overflow(path: str, found: object) -> NoReturn:
 
 def _to_ticks(links: Sequence[Link]) -> tuple[int, list[tuple[int, int, int, int, int]]]:
     """Ticks a unit, and the rows of the table."""
-    if _all_whole(links) and sum(abs(bound) for link in links for bound in link[2:4] if bound) < UNBOUNDED:
-        return 1, [
-            (from_, to, -UNBOUNDED if low is None else low, UNBOUNDED if high is None else high, int(contingent))
-            for from_, to, low, high, contingent in links
-        ]
+    if _all_whole(links):
+        whole = cast("Sequence[TickRow]", links)
+        if sum(abs(bound) for _, _, low, high, _ in whole for bound in (low, high) if bound) < UNBOUNDED:
+            return 1, [
+                (from_, to, -UNBOUNDED if low is None else low, UNBOUNDED if high is None else high, int(contingent))
+                for from_, to, low, high, contingent in whole
+            ]
     exact: dict[tuple[int, str], int | Decimal] = {
         (i, name): _exact(value, f"constraints[{i}].{name}")
         for i, link in enumerate(links)

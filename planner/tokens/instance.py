@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from planner.constraints.network import (
     AnyVariable,
@@ -11,8 +11,9 @@ from planner.constraints.network import (
     DurationVariable,
     Owner,
     TimeVariable,
+    Variable,
 )
-from planner.domains import Interval, Universe, singleton
+from planner.domains import Domain, Interval, Universe, singleton
 from planner.errors import ModelError
 from planner.model.classes import ModelObject, objects_in
 from planner.model.relations import Distance, distances
@@ -38,12 +39,22 @@ if TYPE_CHECKING:
 Named = Token | AnyVariable | ModelObject
 
 
+class Extent(NamedTuple):
+    """What an owner made: temporal constraints and propagators by their numbers, tokens, variables of its own; what
+    parts of it made included."""
+
+    edges: range
+    propagators: range
+    tokens: tuple[Token, ...]
+    variables: tuple[Variable, ...]
+
+
 class RuleInstance:
     """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people;
     it is made text only when somebody asks. `cause`: the guard or loop that applied a part of the body. `path`: what
     tells the names of its subgoals from those of the token's other rules."""
 
-    __slots__ = ("cause", "label", "names", "parent", "path", "token")
+    __slots__ = ("cause", "extent", "label", "names", "parent", "path", "token", "withdrawn")
 
     def __init__(
         self,
@@ -59,6 +70,8 @@ class RuleInstance:
         self.cause = cause
         self.path: str = path if parent is None else parent.path + path
         self.names: dict[str, Named] = {}
+        self.extent: Extent | None = None
+        self.withdrawn = False
 
     def find(self, name: str) -> Named | None:
         """What a name means here: in this body, in those around it, or as a variable of the token."""
@@ -74,9 +87,9 @@ class RuleInstance:
 
 
 class ForEachInstance:
-    """A loop that waits in the queue until what was posted before it has been propagated, then runs once."""
+    """A loop that runs once, when all else has been propagated: only then is known which objects are left."""
 
-    __slots__ = ("done", "instance", "loop", "manager", "owner", "queued", "scope")
+    __slots__ = ("bodies", "done", "instance", "loop", "manager", "owner", "queued", "scope")
 
     def __init__(self, manager: TokenNetworkManager, loop: ForEach, over: AnyVariable, instance: RuleInstance) -> None:
         self.manager = manager
@@ -86,6 +99,7 @@ class ForEachInstance:
         self.owner: Owner = instance
         self.queued = False
         self.done = False
+        self.bodies: list[RuleInstance] = []
 
     def run(self, network: ConstraintNetworkManager) -> None:
         """Apply the body for every object that is left."""
@@ -95,13 +109,14 @@ class ForEachInstance:
         for thing in objects_in(self.scope[0].domain):
             body = RuleInstance(self.instance.label, self.instance.token, self.instance, self, f"{thing.name}.")
             body.names[self.loop.name] = thing
+            network.trail.append(self.bodies, body)
             self.manager.carry_out(self.loop.body, body)
 
 
 class GuardInstance:
     """A guard on watch: acts once when its test is decided."""
 
-    __slots__ = ("deciding", "fired", "guard", "instance", "manager", "owner", "queued", "scope", "test")
+    __slots__ = ("bodies", "deciding", "fired", "guard", "instance", "manager", "owner", "queued", "scope", "test")
 
     def __init__(
         self, manager: TokenNetworkManager, guard: Guard, scope: Sequence[AnyVariable], instance: RuleInstance
@@ -113,6 +128,7 @@ class GuardInstance:
         self.owner: Owner = instance
         self.queued = False
         self.fired = False
+        self.bodies: list[RuleInstance] = []
         self.test = manager.model.procedures.get(guard.test)
         # A set that the test names is no variable: nobody decides it.
         self.deciding = [
@@ -123,19 +139,24 @@ class GuardInstance:
         """Apply the branch that the test chose, if it is decided."""
         if self.fired:
             return
-        domains = [variable.domain for variable in self.scope]
-        narrowed = self.test.narrow(domains)
-        if narrowed is None:
-            self.fire(False)
-        elif all(domains[n].is_singleton and not domains[n].is_open for n in self.deciding):
-            self.fire(True)
+        holds = self.outcome([variable.domain for variable in self.scope])
+        if holds is not None:
+            self.fire(holds)
+
+    def outcome(self, domains: Sequence[Domain]) -> bool | None:
+        """Whether the test holds for such domains of its scope; None: they do not decide it."""
+        if self.test.narrow(domains) is None:
+            return False
+        return True if all(domains[n].is_singleton and not domains[n].is_open for n in self.deciding) else None
 
     def fire(self, holds: bool) -> None:
         """Apply the branch for a test that holds, or for one that does not."""
         self.manager.trail.assign(self, "fired", True)
         branch = self.guard.then if holds else self.guard.otherwise
         if branch:
-            self.manager.carry_out(branch, RuleInstance(self.instance.label, self.instance.token, self.instance, self))
+            body = RuleInstance(self.instance.label, self.instance.token, self.instance, self)
+            self.manager.trail.append(self.bodies, body)
+            self.manager.carry_out(branch, body)
 
 
 def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], instance: RuleInstance) -> None:
@@ -217,7 +238,9 @@ def _guard(manager: TokenNetworkManager, statement: Guard, instance: RuleInstanc
 
 def _for_each(manager: TokenNetworkManager, statement: ForEach, instance: RuleInstance) -> None:
     over = evaluate(manager, statement.over, instance)
-    manager.network.watch(ForEachInstance(manager, statement, over, instance))
+    loop = ForEachInstance(manager, statement, over, instance)
+    manager.network.alert(loop)
+    manager.network.postpone(loop)
 
 
 def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstance) -> None:
@@ -290,6 +313,7 @@ def member(manager: TokenNetworkManager, of: AnyVariable | ModelObject, name: st
         raise ModelError(f"{instance.label}: {of.name} is a time, it has no member {name!r}")
     if isinstance(of, ModelObject):
         return manager.member_of(of, name)
+    manager.note_reading(of, instance)
     objects = objects_in(of.domain)
     if not objects:
         raise ModelError(f"{instance.label}: {of.name} is not an object, it has no member {name!r}")

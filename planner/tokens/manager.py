@@ -18,7 +18,7 @@ from planner.model.manager import ModelManager
 from planner.model.resources import USES
 from planner.model.rules import Statement
 from planner.tokens.groups import BoundsWatch, OpenGroup
-from planner.tokens.instance import GuardInstance, Named, RuleInstance, carry_out
+from planner.tokens.instance import Extent, GuardInstance, Named, RuleInstance, carry_out
 from planner.tokens.resources import PendingUse, Resource
 from planner.tokens.timeline import Timeline, may_codesignate
 from planner.tokens.token import Role, Token, TokenState
@@ -29,9 +29,10 @@ class TokenNetworkManager:
     """The partial plan: tokens, the timelines that they lie on, and what the model asks of them.
 
     Every change is trailed. `open_groups` are the inactive tokens, `undecided` the variables that a complete
-    plan must bind in order of creation, `alternatives` those that choose between the alternatives of a rule of a token
-    that the problem states: the order of a search never depends on what was undone before. `by_name` are the tokens by
-    their paths and `variables` the variables that rules have of their own; of two with one name, the first.
+    plan must bind in order of creation, `settled` those that had one value from the start, `alternatives` those that
+    choose between the alternatives of a rule of a token that the problem states: the order of a search never depends on
+    what was undone before. `by_name` are the tokens by their paths and `variables` the variables that rules have of
+    their own; of two with one name, the first.
     """
 
     def __init__(self, model: ModelManager, network: ConstraintNetworkManager, trail: Trail) -> None:
@@ -42,9 +43,12 @@ class TokenNetworkManager:
         self.tokens: list[Token] = []
         self.by_name: dict[str, Token] = {}
         self.variables: dict[str, Variable] = {}
+        self._named: list[Variable] = []
         self.groups: dict[tuple[ModelObject | str, str], OpenGroup] = {}
         self._ungrouped: dict[int, Token] = {}
         self.undecided: list[Variable] = []
+        self.settled: dict[int, Variable] = {}
+        self.readings: dict[int, list[RuleInstance]] = {}
         self.alternatives: list[Variable] = []
         self.guards: list[GuardInstance] = []
         self._fired = 0
@@ -77,7 +81,7 @@ class TokenNetworkManager:
         start = network.timepoint(f"{name}.start", -math.inf, math.inf, owner)
         end = network.timepoint(f"{name}.end", -math.inf, math.inf, owner)
         token = Token(
-            len(self.tokens),
+            self.tokens[-1].id + 1 if self.tokens else 0,
             name,
             declared,
             self.model.kind_of(declared),
@@ -151,7 +155,9 @@ class TokenNetworkManager:
         cls = token.thing.cls
         for number, rule in enumerate(self.model.rules_for(cls, token.predicate.name)):
             label = rule.where or f"rule {number + 1} of {token.predicate.full_name}"
-            self.carry_out(rule.body, RuleInstance(label, token, path=f"{number + 1}:" if number else ""))
+            instance = RuleInstance(label, token, path=f"{number + 1}:" if number else "")
+            self.trail.append(token.rules, instance)
+            self.carry_out(rule.body, instance)
 
     def _close(self, token: Token) -> None:
         group = token.group
@@ -217,9 +223,25 @@ class TokenNetworkManager:
     # Services to rule instances
 
     def carry_out(self, statements: Sequence[Statement], instance: RuleInstance) -> None:
-        """Carry out a body for an instance."""
+        """Carry out a body for an instance, and note what it makes."""
         if statements:
+            before = self.measure()
             carry_out(self, statements, instance)
+            instance.extent = self.extent_since(before)
+
+    def measure(self) -> tuple[int, int, int, int]:
+        """How much there is, for `extent_since`."""
+        return self.network.posted, len(self.network.propagators), len(self.tokens), len(self._named)
+
+    def extent_since(self, before: tuple[int, int, int, int]) -> Extent:
+        """What came after `measure`."""
+        edges, propagators, tokens, named = self.measure()
+        return Extent(
+            range(before[0], edges),
+            range(before[1], propagators),
+            tuple(self.tokens[before[2] : tokens]),
+            tuple(self._named[before[3] : named]),
+        )
 
     def require(self, name: str, scope: Sequence[AnyVariable], owner: Owner) -> None:
         """Post the constraint of that name: as a temporal one where it is, else by its procedure."""
@@ -232,15 +254,23 @@ class TokenNetworkManager:
 
     def name_variable(self, variable: Variable) -> None:
         """Let a variable that a rule has of its own be found by its name."""
+        self.trail.append(self._named, variable)
         if variable.name not in self.variables:
             self.trail.add(self.variables, variable.name, variable)
+
+    def note_reading(self, variable: Variable, instance: RuleInstance) -> None:
+        """What an instance makes depends on the domain that a variable has now."""
+        if id(variable) not in self.readings:
+            self.trail.add(self.readings, id(variable), [])
+        self.trail.append(self.readings[id(variable)], instance)
 
     def must_be_decided(self, variable: Variable) -> None:
         """Note a variable that a complete plan must bind."""
         domain = variable.domain
         if domain.is_singleton and not domain.is_open:
-            return
-        self.trail.append(self.undecided, variable)
+            self.trail.add(self.settled, id(variable), variable)
+        else:
+            self.trail.append(self.undecided, variable)
 
     def still_undecided(self) -> Iterator[Variable]:
         """The variables that a complete plan must bind and that have several values left, in order of creation."""

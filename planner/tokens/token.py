@@ -54,6 +54,7 @@ class Token:
         "rank",
         "rank_key",
         "role",
+        "rules",
         "start",
         "state",
     )
@@ -88,6 +89,8 @@ class Token:
         self.placed_by: Owner | None = None
         self.must_host = False
         self.group: OpenGroup | None = None
+        # The instances of the rules that apply to it.
+        self.rules: list[Owner] = []
         # What a search found out about the token, and the bounds for which it did: a cache, never undone.
         self.rank: Rank = ()
         self.rank_key: tuple[int, ...] = ()

@@ -15,7 +15,7 @@ _PLAN_COLOURS = (BLUE, 0x0F766EFF, 0x5B43C8FF, 0x3F6212FF)
 _STAGES = {
     "unseen": (DARK_RED, "{name}: not yet detected"),
     "detected": (RED, "{name}: detected, {detail}"),
-    "answered": (ORANGE, "{name}: {detail}"),
+    "answered": (ORANGE, "{name}: detected, {detail}"),
     "handled": (FADED_RED, "{name}: handled by {detail}"),
 }
 _SEVERITY = ("handled", "answered", "unseen", "detected")
@@ -109,7 +109,9 @@ class HeaderLane:
         if name not in self._faults:
             name = self._latest_fault
         if name is not None:
-            self._faults[name] = _Fault("answered", response)
+            seen = self._faults[name].detail if self._faults[name].stage in ("detected", "answered") else ""
+            known, _, _ = seen.partition("; ")
+            self._faults[name] = _Fault("answered", f"{known}; {response}" if known else response)
             self._draw_faults(time)
 
     def fault_cleared(self, time: int, name: str) -> None:

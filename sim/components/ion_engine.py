@@ -11,13 +11,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import ClassVar
 
+import numpy as np
 from numpy.random import Generator
 
 from sim.components.hooks import refuse_fault
 from sim.config import SpacecraftConfig
+from sim.kernels import Memory, compiled
 
 STANDARD_GRAVITY_M_S2 = 9.80665
+BURNING, FLOW_KG_S, SECONDS, USED_KG, LEFT_KG = 0, 1, 2, 3, 4
+SIZE = 5
 LEVELS = (6, 27, 48, 69, 83, 90)
 _POWER_W = (500.0, 2300.0)
 _THRUST_N = (0.020, 0.092)
@@ -54,8 +59,25 @@ def throttle_point(level: int) -> ThrottlePoint:
 THROTTLE_TABLE: Mapping[int, ThrottlePoint] = MappingProxyType({level: throttle_point(level) for level in LEVELS})
 
 
+@compiled
+def burn(m: Memory, dt_s: float) -> None:
+    """Use xenon for `dt_s`, if thrusting."""
+    if m[BURNING] != 0.0:
+        m[SECONDS] += dt_s
+        m[USED_KG] += m[FLOW_KG_S] * dt_s
+        m[LEFT_KG] -= m[FLOW_KG_S] * dt_s
+        if m[LEFT_KG] <= 0.0:
+            m[USED_KG] += m[LEFT_KG]
+            m[LEFT_KG] = 0.0
+
+
 class IonEngine:
-    """States standby, starting, ready, thrusting, stopping. Thrust and power hold for the next `step`."""
+    """States standby, starting, ready, thrusting, stopping. Thrust and power hold for the next `step`.
+
+    The flight loop burns the xenon of a thrusting engine itself; `step` is for it when `busy`.
+    """
+
+    READINGS: ClassVar[Mapping[str, int]] = {"ips.xenon_kg": LEFT_KG, "ips.thrust_seconds": SECONDS}
 
     def __init__(self, config: SpacecraftConfig, generator: Generator) -> None:
         self._config = config
@@ -71,16 +93,16 @@ class IonEngine:
             "stopping": config.engine_stopping_W,
         }
         self.state = "standby"
-        self.xenon_used_kg = 0.0
-        self.thrust_seconds = 0.0
+        self.memory: Memory = np.zeros(SIZE)
+        self.memory[LEFT_KG] = config.xenon_kg
 
     def __repr__(self) -> str:
         return f"IonEngine({self.state}, level {self.level})"
 
     @property
     def busy(self) -> bool:
-        """Time changes something: thrusting, starting or stopping."""
-        return self.state not in ("standby", "ready")
+        """Time changes its state: starting or stopping."""
+        return self.state in ("starting", "stopping")
 
     @property
     def level(self) -> int:
@@ -100,7 +122,17 @@ class IonEngine:
     @property
     def xenon_kg(self) -> float:
         """Xenon left."""
-        return self._config.xenon_kg - self.xenon_used_kg
+        return float(self.memory[LEFT_KG])
+
+    @property
+    def xenon_used_kg(self) -> float:
+        """Xenon used."""
+        return float(self.memory[USED_KG])
+
+    @property
+    def thrust_seconds(self) -> float:
+        """Time thrusting since the start."""
+        return float(self.memory[SECONDS])
 
     def start(self) -> str | None:
         """Heat the cathodes and light the discharge: standby -> starting -> ready."""
@@ -116,7 +148,7 @@ class IonEngine:
             return f"ips.thrust needs state ready or thrusting, found {self.state}"
         if self.xenon_kg <= 0.0:
             return "ips.thrust needs xenon, found none left"
-        self._point = THROTTLE_TABLE[level]
+        self._feed(THROTTLE_TABLE[level])
         self.state = "thrusting"
         return None
 
@@ -124,7 +156,7 @@ class IonEngine:
         """High voltage off, discharge kept: thrusting -> ready."""
         if self.state != "thrusting":
             return f"ips.idle needs state thrusting, found {self.state}"
-        self._point = None
+        self._feed(None)
         self.state = "ready"
         return None
 
@@ -132,24 +164,21 @@ class IonEngine:
         """Shut down from starting, ready or thrusting: -> stopping -> standby."""
         if self.state in ("standby", "stopping"):
             return f"ips.stop needs state starting, ready or thrusting, found {self.state}"
-        self._point = None
+        self._feed(None)
         self.state = "stopping"
         self._left_s = float(self._generator.uniform(*self._config.engine_stop_s))
         return None
 
     def trip(self) -> None:
         """The bus gave way: everything off at once."""
-        self._point = None
+        self._feed(None)
         self.state = "standby"
 
     def step(self, dt_s: float) -> None:
         """Let `dt_s` pass in the present state."""
         if self._point is not None:
-            self.thrust_seconds += dt_s
-            self.xenon_used_kg += self._point.flow_kg_s * dt_s
-            if self.xenon_kg <= 0.0:
-                self.xenon_used_kg = self._config.xenon_kg
-                self.idle()
+            burn(self.memory, dt_s)
+            self.notice()
         elif self.state == "starting" and not self._start_blocked:
             self._left_s -= dt_s
             if self._left_s <= 0.0:
@@ -159,15 +188,23 @@ class IonEngine:
             if self._left_s <= 0.0:
                 self.state = "standby"
 
+    def notice(self) -> None:
+        """Without xenon the discharge goes out."""
+        if self._point is not None and self.memory[LEFT_KG] <= 0.0:
+            self.idle()
+
+    def _feed(self, point: ThrottlePoint | None) -> None:
+        self._point = point
+        self.memory[BURNING] = 0.0 if point is None else 1.0
+        self.memory[FLOW_KG_S] = 0.0 if point is None else point.flow_kg_s
+
     def telemetry(self) -> dict[str, float | int | str]:
-        """State, what it gives and takes, and what it has used."""
+        """State, what it gives and takes; xenon and time are among the readings."""
         return {
             "ips.state": self.state,
             "ips.level": self.level,
             "ips.thrust_N": self.thrust_N,
             "ips.power_W": self.power_W,
-            "ips.xenon_kg": self.xenon_kg,
-            "ips.thrust_seconds": self.thrust_seconds,
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:

@@ -39,7 +39,8 @@ def step(m: Memory, dt_s: float) -> None:
     margin_W = m[ARRAY_W] - m[LOAD_W]
     if margin_W >= 0.0:
         charge_W = min(margin_W, m[CHARGE_LIMIT_W]) * m[EFFICIENCY]
-        m[SOC] = min(1.0, m[SOC] + charge_W * dt_s / m[CAPACITY_J])
+        soc = m[SOC] + charge_W * dt_s / m[CAPACITY_J]
+        m[SOC] = 1.0 if soc > 1.0 else soc
         if m[SOC] >= RECOVERED_SOC:
             m[UNDERVOLTAGE] = 0.0
     else:

@@ -3,43 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
 
 from sim.components.hooks import refuse_fault
 from sim.config import SpacecraftConfig
+from sim.kernels import Memory, compiled
+
+STORED_MBIT, DOWNLINKED_MBIT, RATE_MBIT_S = 0, 1, 2
+SIZE = 3
+
+
+@compiled
+def play(m: Memory, dt_s: float) -> None:
+    """Send to the ground for `dt_s` at the rate in the memory, and drop here what was sent."""
+    sent = min(m[RATE_MBIT_S] * dt_s, m[STORED_MBIT])
+    m[STORED_MBIT] -= sent
+    m[DOWNLINKED_MBIT] += sent
 
 
 class Recorder:
-    """Megabits in, megabits out."""
+    """Megabits in, megabits out, at the radio's rate."""
+
+    READINGS: ClassVar[Mapping[str, int]] = {
+        "recorder.stored_Mbit": STORED_MBIT,
+        "recorder.downlinked_Mbit": DOWNLINKED_MBIT,
+    }
 
     def __init__(self, capacity_Mbit: float) -> None:
         self._capacity_Mbit = capacity_Mbit
-        self.stored_Mbit = 0.0
-        self.downlinked_Mbit = 0.0
+        self._stuck = False
+        self.memory: Memory = np.zeros(SIZE)
 
     def __repr__(self) -> str:
         return f"Recorder({self.stored_Mbit:.1f} of {self._capacity_Mbit:.0f} Mbit)"
 
+    @property
+    def stored_Mbit(self) -> float:
+        """What waits for a downlink."""
+        return float(self.memory[STORED_MBIT])
+
+    @property
+    def downlinked_Mbit(self) -> float:
+        """What has gone down."""
+        return float(self.memory[DOWNLINKED_MBIT])
+
     def store(self, size_Mbit: float) -> bool:
         """Take a frame; False when it does not fit, and it is lost."""
-        if self.stored_Mbit + size_Mbit > self._capacity_Mbit:
+        if self._stuck or self.stored_Mbit + size_Mbit > self._capacity_Mbit:
             return False
-        self.stored_Mbit += size_Mbit
+        self.memory[STORED_MBIT] += size_Mbit
         return True
 
-    def play(self, size_Mbit: float) -> None:
-        """Send up to `size_Mbit` to the ground and drop it here."""
-        sent = min(size_Mbit, self.stored_Mbit)
-        self.stored_Mbit -= sent
-        self.downlinked_Mbit += sent
-
-    def telemetry(self) -> dict[str, float]:
-        """What it holds and what has gone down."""
-        return {"recorder.stored_Mbit": self.stored_Mbit, "recorder.downlinked_Mbit": self.downlinked_Mbit}
+    def play(self, dt_s: float, rate_Mbit_s: float) -> None:
+        """Send to the ground for `dt_s`."""
+        self.memory[RATE_MBIT_S] = rate_Mbit_s
+        play(self.memory, dt_s)
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """No failure modes yet."""
-        del active, parameters
-        refuse_fault(self, mode)
+        """`stuck`: it takes no more frames."""
+        del parameters
+        if mode != "stuck":
+            refuse_fault(self, mode)
+        self._stuck = active
 
 
 class Radio:
@@ -77,9 +104,10 @@ class Radio:
         """The bus gave way."""
         self.state = "off"
 
-    def step(self, dt_s: float, earth_in_beam: bool) -> float:
-        """Megabits that `dt_s` brings to the ground."""
-        return self._rate_Mbit_s * dt_s if self.state == "downlinking" and earth_in_beam else 0.0
+    @property
+    def rate_Mbit_s(self) -> float:
+        """What it sends while playing the recorder."""
+        return self._rate_Mbit_s if self.state == "downlinking" else 0.0
 
     def telemetry(self) -> dict[str, str]:
         """The state."""

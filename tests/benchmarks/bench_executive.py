@@ -36,24 +36,30 @@ from tests.executive.scripted import Draft
 LANES, TOKENS_A_LANE = 25, 20
 # All that happens but the origin, the begun tokens' starts, and the ends of the lanes' last tokens if they go on.
 DONE = 2 * LANES * TOKENS_A_LANE - LANES
+# With 500 tokens in four hours a spacecraft would be busy: a slew for so many activities.
+ACTIVITIES_A_SLEW = 10
 WORK_S = (420, 1680)
 
 
 class Workshop:
-    """A plant on which every activity lasts as long as was drawn for it; a spacecraft flies along, or none."""
+    """A plant on which every activity lasts as long as was drawn for it; a spacecraft may fly along and slew."""
 
     def __init__(self, durations: Mapping[str, int], spacecraft: Spacecraft | None) -> None:
         self._durations = durations
         self._spacecraft = spacecraft
         self._ends: dict[int, list[str]] = {}
         self._changes: dict[str, TelemetryValue] = {f"busy.{name}": False for name in durations} | {"safe": True}
-        self._now = 0
+        self._now = self._begun = 0
 
     def send(self, command: Command) -> None:
         """Begin an activity."""
         name = str(command.arguments["name"])
         self._changes[f"busy.{name}"] = True
         self._ends.setdefault(self._now + self._durations[name], []).append(name)
+        self._begun += 1
+        if self._spacecraft is not None and self._begun % ACTIVITIES_A_SLEW == 0:
+            targets = tuple(self._spacecraft.environment.targets)
+            self._spacecraft.send("acs.point", {"target": targets[self._begun // ACTIVITIES_A_SLEW % len(targets)]})
 
     def advance(self, until: int) -> Observation:
         """One second of everything."""

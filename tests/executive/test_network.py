@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from executive.network import PlanNetwork
+from executive.network import PlanNetwork, conflict_of
 from planner.plan import FlexiblePlan, PlanConstraint, PlanToken
 from planner.problem import Goal, Problem, TokenPattern
 from planner.temporal.controllability import check
@@ -153,3 +153,46 @@ def test_a_timepoint_apart_from_itself_is_never_satisfied() -> None:
     assert not verdict.controllable
     assert "apart (t1.start to t9.start)" in network.explain(verdict.conflict)
     assert Link(0, 1, 1, 0) in network.stnu.links
+
+
+def test_a_conflict_is_what_of_the_plan_makes_it() -> None:
+    """The image may take 8 ticks and has to be over within 4 of the turn: that and its being held on target."""
+    plan = layout(PROBLEM, latest_end=4)
+    conflict = conflict_of(plan)
+    assert conflict is not None
+    assert conflict.tokens == ("t3", "t5")
+    assert conflict.contingent == ("t3",)
+    assert [(c.from_, c.to, c.min, c.max, c.why) for c in conflict.constraints] == [
+        ("t5.start", "t3.start", 0, None, "image-vesta while holding"),
+        ("t5.start", "t3.end", None, 4, "image-vesta soon"),
+    ]
+    assert "duration of camera.mode Camera.imaging, decided by nature" in conflict.text
+    kept = tuple(c for c in plan.constraints if c not in conflict.constraints)
+    for constraint in conflict.constraints:
+        without = replace(plan, constraints=(*kept, *(c for c in conflict.constraints if c != constraint)))
+        assert conflict_of(without) is None
+
+
+def test_a_controllable_plan_has_no_conflict() -> None:
+    assert conflict_of(layout(PROBLEM)) is None
+
+
+def test_a_plan_that_is_no_network_is_a_conflict() -> None:
+    plan = layout(PROBLEM)
+    tokens = tuple(replace(t, duration=(9, 3)) if t.id == "t3" else t for t in plan.tokens)
+    conflict = conflict_of(replace(plan, tokens=tokens))
+    assert conflict is not None
+    assert conflict.text.startswith("the plan is not a network: ")
+
+
+def test_the_elapsed_time_of_what_is_running_is_taken_off() -> None:
+    """An image that began 8 ticks before the plan and is not over lasts at least those 8, and still at most 40."""
+    draft = Draft((100, 200))
+    pattern = TokenPattern("Camera.imaging", start=(92, 92), duration=(3, 40), contingent=True)
+    draft.given(LINE, pattern)
+    draft.token(LINE, "Camera.idle", master="t1")
+    network = PlanNetwork.of(draft.plan())
+    assert links(network, "origin", "t1.start") == [(92, 92, False)]
+    assert links(network, "t1.start", "t1.end") == [(8, 40, True)]
+    assert network.begun == {"t1": 92}
+    assert check(network.stnu).controllable

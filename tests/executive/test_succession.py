@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from executive.bindings import Bindings, Confirmation
+from executive.bindings import Activity, Bindings, Confirmation, Send
 from executive.conditions import Telemetry
 from executive.errors import ExecutiveError
 from executive.executive import Executive
@@ -18,12 +18,13 @@ from executive.history import History
 from executive.port import Acknowledgement, Observation
 from executive.records import Settings
 from executive.replay import replay_history
-from planner.plan import Bounds
+from planner.plan import Bounds, PlanTimeline, PlanToken
 from planner.problem import DroppedGoal, Goal, Planner, PlanningResult, Problem, TokenPattern
 from tests.executive.scripted import (
     AT_START,
     STUCK,
     TUMBLES,
+    Reaction,
     Run,
     ScriptedPlant,
     bindings,
@@ -498,3 +499,75 @@ def test_whenever_a_goal_arrives_nothing_is_violated(
     assert [g.status for g in run.executive.goals] == ["achieved", "achieved"]
     assert len([c for c in run.told("command.sent") if c["name"] == "camera.image"]) == 2
     check_replay(run, bindings())
+
+
+# -- timelines with gaps, and what lasts to the end of a horizon -------------------------------------------------------
+
+RADIO = ("radio", "mode")
+
+
+def with_downlink(problem: Problem) -> PlanningResult:
+    """The images, and one downlink on a timeline of its own that is empty before and after."""
+    kept = tuple(goal for goal in problem.goals if goal.token.predicate != "Radio.downlink")
+    state = tuple(pattern for pattern in problem.state if pattern.predicate != "Radio.downlink")
+    plan = layout(replace(problem, goals=kept, state=state))
+    given = [pattern for pattern in problem.state if pattern not in state]
+    wanted = [goal for goal in problem.goals if goal not in kept]
+    tokens, slots = list(plan.tokens), []
+    if given:
+        began = given[0].start[0]
+        assert began is not None
+        token = PlanToken("r0", *RADIO, "Radio.downlink", {}, (began, began), (problem.horizon[0], None), (8, 8))
+        tokens, slots = [*tokens, token], [*slots, ("r0",)]
+    for goal in wanted:
+        token = PlanToken("r1", *RADIO, "Radio.downlink", {}, (30, None), (38, None), (8, 8), goal=goal.id)
+        tokens, slots = [*tokens, token], [*slots, ("r1",)]
+    lines = (*plan.timelines, PlanTimeline(*RADIO, tuple(slots)))
+    return PlanningResult(replace(plan, tokens=tuple(tokens), timelines=lines))
+
+
+@pytest.mark.parametrize("at", [8, 20, 27, 31, 45])
+def test_a_timeline_may_be_empty_at_the_hand_over(at: int) -> None:
+    """A goal comes in before, during and after the downlink, which happens once and takes its 8 s."""
+    asked: list[Problem] = []
+
+    def remember(problem: Problem) -> PlanningResult:
+        asked.append(problem)
+        return with_downlink(problem)
+
+    wanted = (*goals("vesta"), Goal("downlink", TokenPattern("Radio.downlink")))
+    run = fly(ScriptedPlant(AT_START, reactions()), plan=remember, wanted=wanted, step=brings(goals("ceres")[0], at))
+    assert [g.status for g in run.executive.goals] == ["achieved"] * 3
+    assert len(run.executive.plans) == 2
+    assert len(run.told("standby.entered")) == 1
+    running = [p for p in asked[1].state if p.predicate == "Radio.downlink"]
+    assert [p.start for p in running] == ([(30, 30)] if at == 31 else [])
+    downlink = next(g for g in run.executive.goals if g.id == "downlink")
+    assert downlink.time is not None
+    assert downlink.time == 38 if at >= 31 else downlink.time >= 38
+    check_replay(run, bindings())
+
+
+def test_what_must_be_followed_beyond_the_horizon_lasts_until_then() -> None:
+    """The engine thrusts for a goal of 10 s; shutting it down lies beyond the waypoint. So it thrusts until then, and
+    is stopped by its own stop command, since no plan goes on with it."""
+    engine = Activity("Engine.thrusting", start=(Send("engine.on"),), stop=(Send("engine.off"),))
+    plain = bound()
+    thrusting = replace(plain, activities=(*plain.activities, engine))
+    table = {**reactions(), "engine.on": [Reaction()], "engine.off": [Reaction()]}
+
+    def thrust(problem: Problem) -> PlanningResult:
+        if problem.horizon[1] > 60:
+            return PlanningResult(layout(replace(problem, goals=())))
+        plan = layout(replace(problem, goals=()))
+        token = PlanToken("e1", "engine", "mode", "Engine.thrusting", {}, (10, 50), (20, 60), (10, None), goal="thrust")
+        after = replace(token, id="e2", predicate="Engine.shuttingDown", goal=None, master="e1")
+        lines = (*plan.timelines, PlanTimeline("engine", "mode", (("e1",),)))
+        return PlanningResult(replace(plan, tokens=(*plan.tokens, token), timelines=lines, boundary=(after,)))
+
+    plant = ScriptedPlant(AT_START, table)
+    wanted = (Goal("thrust", TokenPattern("Engine.thrusting")),)
+    run = fly(plant, thrusting, thrust, wanted, settings=replace(STAGED, plan_next=None))
+    sent = [(e["t"], e["name"]) for e in run.told("command.sent") if str(e["name"]).startswith("engine")]
+    assert sent == [(10, "engine.on"), (60, "engine.off")]
+    assert [(g.status, g.time) for g in run.executive.goals] == [("achieved", 60)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import random
 import subprocess
@@ -17,10 +18,11 @@ from hypothesis import strategies as st
 from executive.errors import JournalError, ResumeError
 from executive.executive import Executive
 from executive.history import History
+from executive.journal import Journal
 from executive.port import Command, Observation
 from executive.records import Settings
 from executive.replay import Difference, replay, replay_history
-from executive.resume import Continuation, resume
+from executive.resume import Continuation, planner_of, resume
 from planner.problem import PlanningResult, Problem
 from tests.executive.scripted import (
     AT_START,
@@ -180,6 +182,28 @@ def test_no_wall_clock_value_is_ever_written() -> None:
     assert all(isinstance(entry["t"], int) for entry in runs[0].entries)
 
 
+def test_what_the_planner_was_charged_is_part_of_the_record(tmp_path: Path) -> None:
+    """Deliberation that was measured differs from run to run; flown again, it costs what it cost."""
+    measured = iter(range(2, 100))
+    run = fly(
+        eventful_plant(),
+        BINDINGS,
+        planner,
+        goals("vesta", "ceres"),
+        HORIZON,
+        replace(SETTINGS, deliberation=lambda result: next(measured)),
+    )
+    assert [p.deliberation_charged for p in run.executive.plans][:2] == [2, 3]
+    assert replay_history(History.of(run.text.encode()), BINDINGS).identical
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(run.text.encode()[: run.text.index('"plan-02"')])
+    dearer = replace(SETTINGS, deliberation=lambda result: 5)
+    with Continuation(path) as stream:
+        executive = resume(stream, eventful_plant(), BINDINGS, planner, goals("vesta", "ceres"), HORIZON, dearer)
+        executive.run_until(HORIZON[1])
+    assert [p.deliberation_charged for p in executive.plans][:2] == [2, 3]
+
+
 # -- resume ------------------------------------------------------------------------------------------------------------
 
 
@@ -231,6 +255,31 @@ def test_another_runs_journal_is_not_continued(tmp_path: Path) -> None:
     path.write_bytes(JOURNAL[:5000])
     with Continuation(path) as stream, pytest.raises(ResumeError, match=r"journal\.jsonl:1: the run does not repeat"):
         resume(stream, eventful_plant(), BINDINGS, Moody(), goals("vesta"), HORIZON, SETTINGS)
+
+
+def test_what_others_write_is_written_again(tmp_path: Path) -> None:
+    """As a scenario does: entries of its own between the steps, an executive of its own, the recorded planner."""
+
+    def fly_in(journal: Journal, history: History | None) -> None:
+        answers, priced = planner_of(history or History.of(b""), planner, SETTINGS)
+        executive = Executive(eventful_plant(), BINDINGS, answers.plan, goals("vesta"), HORIZON, journal, priced)
+        while executive.now < HORIZON[1]:
+            if executive.now + 1 in (0, 24, 60):
+                journal.write(executive.now + 1, "fault.injected", {"name": "scripted"})
+            executive.step()
+        executive.finish()
+
+    whole = io.StringIO()
+    fly_in(Journal(whole), None)
+    text = whole.getvalue().encode()
+    assert replay_history(History.of(text), BINDINGS).identical
+    for length in (0, 100, text.index(b'"scripted","t":24') + 30, len(text) // 2, len(text)):
+        path = tmp_path / f"{length}.jsonl"
+        path.write_bytes(text[:length])
+        with Continuation(path) as stream:
+            fly_in(Journal(stream), stream.history)
+            stream.check_caught_up()
+        assert path.read_bytes() == text
 
 
 _CHILD = """

@@ -537,3 +537,42 @@ def test_no_time_is_left_to_plan() -> None:
  35 run.finished outcome=standby
 """
     )
+
+
+def test_a_fault_during_recovery() -> None:
+    """The camera is being reset when the attitude is lost: the plan goes, the recovery goes on and helps in standby."""
+    events = {24: {"camera.state": "stuck"}, 28: {"acs.mode": "tumble"}}
+    table = reactions(reset=[Reaction(), Reaction(1, {"camera.state": "ready"})])
+    run = fly(ScriptedPlant(AT_START, table, events), bindings(RESET, TUMBLES), wanted=TWO)
+    assert (
+        transcript(run, 23, 46)
+        == """\
+ 26 fault.detected diagnosis=None monitor=camera-stuck
+ 26 fault.response monitor=camera-stuck response=reset
+ 26 command.sent arguments={} id=6 name=camera.reset token=monitor camera-stuck
+ 28 fault.detected diagnosis=wheel lost monitor=tumbling
+ 28 violation detail=tumbling: the attitude control gave up kind=fault
+ 28 fault.response monitor=tumbling response=replan
+ 28 token.aborted t8 Attitude.turning(ceres)
+ 28 token.aborted t6 Camera.idle()
+ 28 standby.entered reason=the attitude control gave up (fault: tumbling)
+ 28 command.sent arguments={} id=7 name=safe.standby token=standby
+ 29 fault.response monitor=camera-stuck response=reset
+ 29 command.sent arguments={} id=8 name=camera.reset token=monitor camera-stuck
+ 30 plan.requested attempt=1 budget=5 reason=the attitude control gave up (fault: tumbling)
+ 35 plan.adopted handover=35 plan=plan-02 reason=the attitude control gave up (fault: tumbling) tokens=6
+ 35 standby.left
+ 35 token.started t1 Attitude.holding(earth)
+ 35 token.started t2 Camera.idle()
+ 35 token.finished t1 Attitude.holding(earth) on_time
+ 35 token.started t4 Attitude.turning(ceres)
+ 35 command.sent arguments={target: ceres} id=9 name=acs.turn token=t4
+ 36 token.confirmed t4 Attitude.turning(ceres)
+ 45 token.finished t4 Attitude.turning(ceres) on_time
+ 45 token.finished t2 Camera.idle() on_time
+ 45 token.started t3 Camera.imaging(ceres)
+ 45 command.sent arguments={target: ceres} id=10 name=camera.image token=t3
+ 45 token.started t5 Attitude.holding(ceres)
+ 46 token.confirmed t3 Camera.imaging(ceres)
+"""
+    )

@@ -7,7 +7,7 @@ from sim import Acknowledgement, Spacecraft, SpacecraftConfig
 FAST = SpacecraftConfig(engine_start_s=(5.0, 10.0), engine_stop_s=(2.0, 4.0), camera_warmup_s=(5.0, 9.0))
 
 
-def command(craft: Spacecraft, name: str, **arguments: float | int | str | bool) -> None:
+def command(craft: Spacecraft, name: str, /, **arguments: float | int | str | bool) -> None:
     """Send and insist on an accepting answer."""
     answer = craft.send(name, arguments)
     assert answer == Acknowledgement(True), (name, arguments, answer)

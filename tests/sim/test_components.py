@@ -65,8 +65,9 @@ def test_engine_uses_xenon_and_counts_thrust():
         engine.step(1.0)
     telemetry = engine.telemetry()
     flow = 0.084 / (THROTTLE_TABLE[90].specific_impulse_s * 9.80665)
-    assert telemetry["ips.xenon_kg"] == pytest.approx(81.5 - 3600 * flow)
-    assert telemetry["ips.thrust_seconds"] == 3600
+    assert engine.xenon_kg == pytest.approx(81.5 - 3600 * flow)
+    assert engine.xenon_used_kg == pytest.approx(3600 * flow)
+    assert engine.thrust_seconds == 3600
     assert (telemetry["ips.state"], telemetry["ips.level"], telemetry["ips.power_W"]) == ("thrusting", 90, 2100.0)
     assert engine.thrust(27) is None
     assert (engine.level, engine.thrust_N) == (27, THROTTLE_TABLE[27].thrust_N)
@@ -196,21 +197,21 @@ def test_radio_and_recorder():
     assert "found state off" in str(radio.downlink(True))
     radio.power(True)
     assert (radio.state, radio.power_W) == ("on", 15.0)
-    assert radio.step(100.0, True) == 0.0
+    assert radio.rate_Mbit_s == 0.0
     radio.downlink(True)
     radio.power(True)
     assert (radio.state, radio.power_W) == ("downlinking", 60.0)
-    assert radio.step(100.0, True) == pytest.approx(2.0)
-    assert radio.step(100.0, False) == 0.0
+    assert radio.rate_Mbit_s == pytest.approx(0.02)
     radio.downlink(False)
     assert radio.state == "on"
     radio.power(False)
-    assert radio.state == "off"
+    assert (radio.state, radio.rate_Mbit_s) == ("off", 0.0)
     assert recorder.store(12.6)
     assert not recorder.store(12.6)
-    recorder.play(10.0)
-    recorder.play(10.0)
-    assert recorder.telemetry() == {"recorder.stored_Mbit": 0.0, "recorder.downlinked_Mbit": pytest.approx(12.6)}
+    recorder.play(100.0, 0.1)
+    assert recorder.stored_Mbit == pytest.approx(2.6)
+    recorder.play(100.0, 0.1)
+    assert (recorder.stored_Mbit, recorder.downlinked_Mbit) == (0.0, pytest.approx(12.6))
 
 
 def test_terminal_answers_for_its_unit():

@@ -37,7 +37,9 @@ def test_the_contract_with_the_flight_side():
         "acs.mode acs.target acs.state acs.error_rad acs.rate_rad_s wheels.speed_1_rad_s wheels.speed_2_rad_s "
         "wheels.speed_3_rad_s wheels.speed_4_rad_s wheels.momentum_Nms ips.state ips.level ips.thrust_N ips.power_W "
         "ips.xenon_kg ips.thrust_seconds micas.switch micas.state micas.images micas.power_W power.array_W "
-        "power.load_W power.margin_W battery.soc radio.state recorder.stored_Mbit recorder.downlinked_Mbit"
+        "power.load_W power.margin_W battery.soc radio.state recorder.stored_Mbit recorder.downlinked_Mbit "
+        "power.bus acs.actuators acs.estimate_sigma_rad tracker.state rcs.mode rcs.hydrazine_kg pasm.switch "
+        "neb1.status neb1.current_A neb1s.status neb1s.current_A neb2.status neb2.current_A"
     )
     assert set(promised.split()) <= set(TELEMETRY)
 

@@ -6,6 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from sim import ConfigurationError, RenderingUnavailable, SpacecraftConfig
+from sim.components.wheels import SPEEDS
 from sim.dictionary import TELECOMMANDS
 from sim.gym import ATTITUDE, OPERATIONS, register
 from sim.gym.attitude import RATE_BOUND_RAD_S, AttitudeEnvironment
@@ -28,7 +29,7 @@ def make(name):
     """Short enough steps and episodes that thousands of them take seconds."""
     if name == ATTITUDE:
         return gymnasium.make(name, seconds_per_step=1)
-    return gymnasium.make(name, seconds_per_step=5, horizon_s=1200)
+    return gymnasium.make(name, seconds_per_step=2, horizon_s=600)
 
 
 def trace(env, seed, actions):
@@ -168,6 +169,11 @@ def test_a_plain_law_reaches_the_target_and_is_rewarded():
     assert terminated
     assert reward > 99.0
     assert info["error_rad"] < 5e-4
+    assert info["held_s"] >= 60
+    _, info = env.reset(seed=2)
+    assert info["held_s"] == 0
+    speeds = env._wheels.memory[SPEEDS : SPEEDS + 4].tolist()
+    assert speeds == env._flying().wheel_speeds_rad_s, "the wheels of the new episode, not of the old one"
 
 
 def test_tumbling_ends_an_episode_badly():

@@ -162,6 +162,20 @@ def test_time_goes_forward_in_whole_periods(until_s):
     assert craft.time == 10
 
 
+def test_quiet_cruise_takes_longer_steps_and_keeps_its_momentum():
+    config = SpacecraftConfig(wheel_initial_speed_rad_s=300.0, solar_pressure_1au_Pa=0.0)
+    craft = Spacecraft(config, 2)
+    before = craft.angular_momentum_I()
+    craft.advance(3600)
+    assert craft.physics_steps == 3600
+    after = craft.angular_momentum_I()
+    change = tuple(b - a for a, b in zip(before, after, strict=True))
+    assert math.sqrt(dot(change, change) / dot(before, before)) < 1e-8
+    command(craft, "acs.point", target="asteroid_a")
+    craft.advance(3700)
+    assert craft.physics_steps == 3600 + 200, "a slew takes the fine step from its first second"
+
+
 def test_a_longer_step_flies_the_same_slew():
     fine = Spacecraft(SpacecraftConfig(), 1)
     coarse = Spacecraft(SpacecraftConfig(time_step_s=1.0), 1)

@@ -1,1 +1,28 @@
-"""NDDL."""
+"""NDDL: the text language of timeline models, as its last interpreter reads it, and what this project adds to it.
+
+    model, program, report = load(Path("rover.nddl"), STANDARD)     # NddlError says all that is wrong with the file
+    database = PlanDatabase(model, program.horizon)
+    program.carry_out(database, report)          # Inconsistency: the statements contradict each other
+
+Reading order:
+
+    errors.py                    diagnostics with file, line, column and a caret
+    lexer.py reader.py           text to tokens; a cursor over them
+    syntax.py                    the frozen tree
+    expressions.py definitions.py parser.py printer.py      tokens to tree and back
+    loader.py library.py         includes; the headers that are built in
+    symbols.py scope.py values.py    what names mean
+    comparisons.py translator.py causality.py model_builder.py objects.py   tree to model
+    methods.py program.py        the problem, carried out on a plan database
+    builder.py                   the whole way
+
+The parser is written by hand on one regular expression, not generated from a grammar (lark, LALR, was the
+alternative). NDDL tells statements apart by what follows a name, words are reserved only where they mean something, and
+`[1 -5]` holds two numbers where `1 -5` is a difference: a grammar needs tricks for each. By hand each is a line, an
+error can say what a modeller would want to know, reading goes on after it, and a kilobyte takes a fraction of the time.
+
+Extensions of the language, beside the paper's relations and their bounds (`before[10 20](camera.ready r);`):
+
+- `contingent duration = [5 9];` in a predicate: nature decides the duration within these bounds.
+- `exogenous predicate p {...}`: no plan brings it about; it is where the problem's facts say, and nowhere else.
+"""

@@ -7,7 +7,7 @@ until `close()`, so nothing that a token can see depends on the order.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,21 +24,29 @@ from planner.language.nddl.syntax import (
     Allocation,
     Assignment,
     Declaration,
-    Method,
     New,
     Statement,
     Typedef,
 )
-from planner.model.classes import ModelObject
 from planner.model.manager import ModelManager
 
 
 def build(
-    name: str, statements: Sequence[Statement], procedures: ProcedureRegistry, report: Report
+    name: str,
+    statements: Sequence[Statement],
+    procedures: ProcedureRegistry,
+    report: Report,
+    texts: Iterable[str] = (),
 ) -> tuple[ModelManager, Program]:
-    """The model and the problem of a program; NddlError with all that is wrong with it."""
+    """The model and the problem of a program; NddlError with all that is wrong with it.
+
+    A string variable ranges over `texts`, the strings that the program has.
+    """
     report.raise_if_failed()
     model = ModelManager(name, procedures)
+    for text in sorted(texts):
+        model.strings.add(text)
+    model.strings.is_open = False
     symbols = Symbols(report)
     symbols.add_built_in(model)
     symbols.collect(statements)
@@ -106,10 +114,6 @@ def _assignment(node: Assignment, builder: ModelBuilder, objects: Objects) -> No
         objects.create(node.value, node.target.path[0])
 
 
-def _new_argument(node: Method, builder: ModelBuilder, objects: Objects) -> None:
-    """`close()` is checked where the plan is; here nothing happens."""
-
-
 _CREATION: dict[type, Callable[[Any, ModelBuilder, Objects], None]] = {
     Typedef: _typedef,
     Allocation: _allocation,
@@ -141,8 +145,8 @@ def load(
 ) -> tuple[ModelManager, Program, Report]:
     """The model and the problem of a file; NddlError with all that is wrong with it."""
     report = Report()
-    statements = Loader(report, include).file(path)
-    model, program = build(path.stem, statements, procedures, report)
+    loader = Loader(report, include)
+    model, program = build(path.stem, loader.file(path), procedures, report, loader.texts)
     return model, program, report
 
 
@@ -151,9 +155,6 @@ def load_text(
 ) -> tuple[ModelManager, Program, Report]:
     """The model and the problem of a text; includes are looked for in the folder."""
     report = Report()
-    statements = Loader(report).text(text, name, folder)
-    model, program = build(name, statements, procedures, report)
+    loader = Loader(report)
+    model, program = build(name, loader.text(text, name, folder), procedures, report, loader.texts)
     return model, program, report
-
-
-__all__ = ["ModelObject", "build", "load", "load_text"]

@@ -29,7 +29,7 @@ _INVERSES = (
     ("endsBefore", "endsAfter"),
     ("startsBeforeEnd", "endsAfterStart"),
 )
-INVERSE = {a: b for a, b in _INVERSES} | {b: a for a, b in _INVERSES}
+INVERSE = dict(_INVERSES) | {b: a for a, b in _INVERSES}
 INVERSE |= {name: name for name in ("any", "equals", "equal", "starts", "ends")}
 INVERSE |= {"containedBy": "contains", "paralleledBy": "parallels"}
 

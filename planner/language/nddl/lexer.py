@@ -10,7 +10,11 @@ from planner.language.nddl.errors import Complaint, Position, Report, Source
 _PATTERN = re.compile(
     r"""
       (?P<space>[ \t\r\n\f]+|//[^\n]*|/\*.*?\*/)
-    | (?P<real>(?:[0-9]+\.[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)[fFdD]?\b|[0-9]+[fFdD]\b|[0-9]+\.(?![0-9\w]))
+    | (?P<real>
+        (?: [0-9]+\.[0-9]*(?:[eE][+-]?[0-9]+)?[fFdD]?
+          | \.[0-9]+(?:[eE][+-]?[0-9]+)?[fFdD]?
+          | [0-9]+[eE][+-]?[0-9]+[fFdD]?
+          | [0-9]+[fFdD] ) (?![\w.]) )
     | (?P<whole>[0-9]+[lL]?)
     | (?P<name>[A-Za-z_$][A-Za-z_0-9$]*)
     | (?P<text>"(?:[^"\\\n]|\\.)*")

@@ -29,7 +29,10 @@ def _constructors(*signatures: str) -> tuple[BuiltInConstructor, ...]:
 
 # The sum of what a reusable gives out is not bounded here: the fourth argument of EUROPA's longest form is its rate.
 _REUSABLE = _constructors(
-    "capacity", "capacity level_min", "capacity level_min consumption_rate_max", "capacity level_min - consumption_rate_max"
+    "capacity",
+    "capacity level_min",
+    "capacity level_min consumption_rate_max",
+    "capacity level_min - consumption_rate_max",
 )
 CONSTRUCTORS: dict[str, tuple[BuiltInConstructor, ...]] = {
     "Object": _constructors(""),

@@ -17,11 +17,12 @@ MAX_BYTES = 64_000_000
 
 
 class Loader:
-    """Reads files. `search`: folders for includes that are not beside the file."""
+    """Reads files. `search`: folders for includes that are not beside the file. `texts`: all strings that were read."""
 
     def __init__(self, report: Report, search: Sequence[Path] = ()) -> None:
         self.report = report
         self.search = tuple(search)
+        self.texts: set[str] = set()
         self._seen: set[Path] = set()
 
     def file(self, path: Path) -> list[Statement]:
@@ -33,11 +34,11 @@ class Loader:
             self.report.complain(Complaint(Position(source, 0), complaint.message))
             return []
         self._seen.add(path.resolve())
-        return list(self._flattened(parse(Source(str(path), text), self.report), path.parent, 0))
+        return list(self._flattened(parse(Source(str(path), text), self.report, self.texts), path.parent, 0))
 
     def text(self, text: str, name: str, folder: Path) -> list[Statement]:
         """The statements of a text that is in no file; includes are looked for in the folder."""
-        return list(self._flattened(parse(Source(name, text), self.report), folder, 0))
+        return list(self._flattened(parse(Source(name, text), self.report, self.texts), folder, 0))
 
     def _flattened(self, statements: Sequence[Statement], folder: Path, depth: int) -> Iterator[Statement]:
         for statement in statements:
@@ -62,7 +63,7 @@ class Loader:
             text = self._read(path)
         except Complaint as complaint:
             raise Complaint(node.at, complaint.message) from None
-        yield from self._flattened(parse(Source(str(path), text), self.report), path.parent, depth + 1)
+        yield from self._flattened(parse(Source(str(path), text), self.report, self.texts), path.parent, depth + 1)
 
     def _find(self, node: Include, folder: Path) -> Path:
         folders = (folder, *self.search)

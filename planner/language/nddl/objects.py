@@ -12,6 +12,7 @@ from planner.language.nddl.library import CONSTRUCTORS, UNBOUNDED_BY_DEFAULT, Bu
 from planner.language.nddl.symbols import Symbols
 from planner.language.nddl.syntax import (
     Assignment,
+    Binary,
     Choice,
     Constructor,
     Declaration,
@@ -22,7 +23,7 @@ from planner.language.nddl.syntax import (
     Statement,
     Super,
 )
-from planner.language.nddl.values import Literals, is_number
+from planner.language.nddl.values import Literals, arithmetic, is_number
 from planner.model.classes import ModelObject
 from planner.model.manager import ModelManager
 
@@ -54,7 +55,7 @@ class Objects:
         self._depth += 1
         try:
             if self._depth > MAX_OBJECTS_DEEP:
-                raise Complaint(new.at, f"objects create objects more than {MAX_OBJECTS_DEEP} deep: does this ever end?")
+                raise Complaint(new.at, f"objects create objects more than {MAX_OBJECTS_DEEP} deep")
             arguments = [self.value(a, parent, scope or {}) for a in new.arguments]
             thing = self.model.add_object(name, new.cls, parent=parent)
             self._initialise(thing, new.cls)
@@ -148,7 +149,7 @@ class Objects:
         if not self._is_of(value, type_):
             raise Complaint(at, f"member {member!r} is of type {type_}, which {self._kind(value)} is not")
         if is_number(value) and self.symbols.base(type_) == "int":
-            value = int(value) if math.isfinite(value) else Interval(value, value)  # type: ignore[call-overload,arg-type]
+            value = int(value) if math.isfinite(value) else Interval(value, value)
         self.model.set_member(thing, member, value)
 
     # Constructors of the classes that every model has
@@ -182,6 +183,11 @@ class Objects:
                 return found
         if isinstance(node, Range):
             return self.literals.interval(node, False)
+        if isinstance(node, Binary) and node.operator in ("+", "-", "*", "/"):
+            left, right = self.value(node.left, thing, scope), self.value(node.right, thing, scope)
+            found = arithmetic(node, left, right) if is_number(left) and is_number(right) else None
+            if found is not None:
+                return found
         value = self.literals.value(node)
         if value is None:
             known = [*scope, *(self.symbols.members_of(thing.cls) if thing else ()), *self.variables]
@@ -226,7 +232,7 @@ class Objects:
         if base == "float":
             return is_number(value)
         if base == "int":
-            return is_number(value) and (math.isinf(value) or value == int(value))  # type: ignore[arg-type,call-overload]
+            return is_number(value) and (math.isinf(value) or value == int(value))
         if base in self.symbols.enumerations:
             return value in self.symbols.enumerations[base].values
         return isinstance(value, str) if base == "string" else False

@@ -53,13 +53,15 @@ OBSOLETE = {
     "switch": "NDDL has no 'switch': write one if for each value",
     "return": "NDDL has no functions: there is nothing to return from",
 }
-METHODS = frozenset(
-    "specify reset constrain free activate merge reject cancel close set_capacity set_limit restrict setLimit".split()
+METHODS: tuple[str, ...] = (
+    *("specify", "reset", "restrict", "close"),
+    *("activate", "merge", "reject", "cancel"),
+    *("constrain", "free", "set_capacity", "set_limit", "setLimit"),
 )
 
 
-def parse(source: Source, report: Report) -> tuple[Statement, ...]:
-    """The statements of a text; what is wrong goes to the report."""
+def parse(source: Source, report: Report, texts: set[str] | None = None) -> tuple[Statement, ...]:
+    """The statements of a text; what is wrong goes to the report. `texts`: where to enter its strings."""
     reader = Reader(source, report)
     found: list[Statement] = []
     while reader.lexeme.kind != END:
@@ -70,6 +72,8 @@ def parse(source: Source, report: Report) -> tuple[Statement, ...]:
         one = _recovered(reader, _top_level)
         if one is not None:
             found.append(one)
+    if texts is not None:
+        texts.update(unquoted(token.text) for token in reader.tokens if token.kind == "text")
     return tuple(found)
 
 
@@ -144,6 +148,11 @@ def statement(reader: Reader) -> Statement | None:
         return read(reader)
     if word in RELATIONS and following.text in ("(", "["):
         return _relation(reader, None)
+    if word == "new":
+        return _requirement(reader)
+    if following.text == "(" and word not in OBSOLETE and _subgoal_follows(reader, 2):
+        hint = nearest(word, RELATIONS)
+        raise Complaint(reader.at(), f"there is no temporal relation named {word!r}{hint}")
     if following.kind == "name" and following.text != "in":
         return _two_names(reader)
     if word in OBSOLETE:
@@ -159,18 +168,17 @@ def _two_names(reader: Reader) -> Statement:
     if reader.lexeme.text in OBSOLETE:
         raise Complaint(reader.at(), OBSOLETE[reader.lexeme.text], unsupported=True)
     hint = nearest(word, RELATIONS)
-    if hint and (after.kind == "name" or _subgoal_follows(reader)):
+    if hint and (after.kind == "name" or (after.text == "(" and _subgoal_follows(reader, 3))):
         reader.advance()
         raise Complaint(reader.at(), f"expected a temporal relation between two tokens, found {word!r}{hint}")
     return declaration(reader)
 
 
-def _subgoal_follows(reader: Reader) -> bool:
-    """Whether `a b (c.d e` stands here: a subgoal under a misspelt relation."""
-    index = 3
+def _subgoal_follows(reader: Reader, index: int) -> bool:
+    """Whether `c.d e` stands that many tokens on: a predicate and a token's name, which only a relation has."""
     while reader.ahead(index).kind == "name" and reader.ahead(index + 1).text == ".":
         index += 2
-    return reader.ahead(2).text == "(" and reader.ahead(index).kind == reader.ahead(index + 1).kind == "name"
+    return reader.ahead(index).kind == reader.ahead(index + 1).kind == "name"
 
 
 def _path_statement(reader: Reader) -> Statement:
@@ -209,7 +217,7 @@ def _requirement(reader: Reader) -> Statement:
     reader.expect(";")
     if isinstance(found, Call) and not enforced:
         return Constraint(found, message, at=at)
-    if isinstance(found, New):
+    if isinstance(found, New) and not enforced:
         return Allocation(found, at=at)
     return Requirement(found, message, at=at)
 

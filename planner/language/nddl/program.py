@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from planner.constraints.network import AnyVariable, Inconsistency
+from planner.constraints.network import Inconsistency
 from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.errors import ModelError
@@ -63,6 +63,13 @@ class Stated:
         return f"{self.statement.at}: {text}" + (f" ({message})" if message else "")
 
 
+def is_plain_declaration(owner: object) -> bool:
+    """Whether the owner of something in a plan database is a declaration that gives no value to its variables."""
+    label = owner.label if isinstance(owner, RuleInstance) else None
+    statement = label.statement if isinstance(label, Stated) else None
+    return isinstance(statement, Declaration) and all(v.value is None for v in statement.variables)
+
+
 @dataclass
 class Program:
     """A problem, checked and ready to be carried out on a database of its model.
@@ -114,7 +121,7 @@ class _Execution:
         self.database.network.propagate()
 
     def statement(self, statement: Statement) -> None:
-        carry_out = self._CARRY_OUT.get(type(statement))
+        carry_out = _CARRY_OUT.get(type(statement))
         if carry_out is None:
             self._general(statement)
             return
@@ -201,11 +208,10 @@ class _Execution:
         """A goal is achieved inside the horizon; one that its own times keep from that must still overlap it."""
         network, (first, last) = self.database.network, self.database.horizon
         start, end = token.start.domain, token.end.domain
-        if token.must_host or token.host is not None:
+        if token.host is not None:
             return
-        if start.upper >= last or end.lower <= first:
-            if token.role == "goal" and (start.lower >= last or end.upper <= first):
-                raise Inconsistency(HorizonMissed(token, (first, last)), token.start)
+        if token.role == "goal" and (start.lower >= last or end.upper <= first):
+            raise Inconsistency(HorizonMissed(token, (first, last)), token.start)
         inside = start.upper >= first and start.lower + token.duration.domain.lower <= last
         earliest = first if start.upper >= first else -math.inf
         latest = last if inside and end.lower <= last else math.inf
@@ -308,18 +314,15 @@ class _Execution:
         self.goals = [(t, i) for t, i in self.goals if t is not token]
         self.tokens.reject(token)
 
-    def variable(self, ref: rules.Ref, instance: RuleInstance) -> AnyVariable:
-        """The variable that a reference stands for."""
-        return evaluate(self.tokens, ref, instance)
 
-    _CARRY_OUT: dict[type, Callable[[_Execution, Any, RuleInstance], None]] = {
-        Declaration: _declaration,
-        Goal: _goal,
-        Assignment: _assignment,
-        Requirement: _requirement,
-        Constraint: _constraint,
-        Method: _method,
-    }
+_CARRY_OUT: dict[type, Callable[[_Execution, Any, RuleInstance], None]] = {
+    Declaration: _Execution._declaration,
+    Goal: _Execution._goal,
+    Assignment: _Execution._assignment,
+    Requirement: _Execution._requirement,
+    Constraint: _Execution._constraint,
+    Method: _Execution._method,
+}
 
 
 class HorizonMissed:

@@ -58,7 +58,7 @@ class Scope:
 
     def __init__(self, symbols: Symbols, own: PredicateKey | None = None, outer: Scope | None = None) -> None:
         self.symbols = symbols
-        self.own = own if outer is None else outer.own
+        self.own: PredicateKey | None = own if outer is None else outer.own
         self.outer = outer
         self.names: dict[str, str | PredicateKey] = {}
 
@@ -97,7 +97,7 @@ class Scope:
         if declared is not None:
             return _declared(Ref((name,)), declared)
         if self.own is not None:
-            cls, predicate = self.own
+            cls, _ = self.own
             if name == "this":
                 return TokenMeaning(Ref(("this",)), self.own)
             own = self._of_token(TokenMeaning(Ref(()), self.own), name)
@@ -109,8 +109,10 @@ class Scope:
         if name in self.symbols.variables:
             return VariableMeaning(Ref((name,)), self.symbols.variables[name])
         if name in self.symbols.tokens:
-            predicate = self.predicate_of(self.symbols.tokens[name], at)[0]
-            return TokenMeaning(Ref((name,)), predicate)
+            known = self.symbols.token_predicates
+            if name not in known:
+                known[name] = Scope(self.symbols).predicate_of(self.symbols.tokens[name], at)[0]
+            return TokenMeaning(Ref((name,)), known[name])
         return None
 
     def predicate_of(self, path: tuple[str, ...], at: Position) -> tuple[PredicateKey, Ref | None]:

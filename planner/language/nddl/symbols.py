@@ -64,6 +64,11 @@ class Symbols:
         self.variables: dict[str, str] = {}
         self.tokens: dict[str, tuple[str, ...]] = {}
         self.forward: dict[str, Position] = {}
+        self.token_predicates: dict[str, PredicateKey] = {}
+        # Answers that are asked for at every name; nothing is declared any more by then.
+        self._members: dict[str, dict[str, str]] = {}
+        self._predicates: dict[str, dict[str, PredicateSymbol]] = {}
+        self._parameters: dict[PredicateKey, dict[str, str]] = {}
 
     def add_built_in(self, model: ModelManager) -> None:
         """The classes that every model has."""
@@ -103,7 +108,7 @@ class Symbols:
             return
         known = self.classes.get(statement.name)
         if known is not None and known.definition is None:
-            raise Complaint(statement.at, f"class {statement.name!r} is part of the language and cannot be declared again")
+            raise Complaint(statement.at, f"class {statement.name!r} is part of the language already")
         self._check_free(statement.name, statement.at)
         symbol = ClassSymbol(statement.name, statement.parent or "Object", statement.at, definition=statement)
         self.classes[statement.name] = symbol
@@ -193,25 +198,32 @@ class Symbols:
 
     def members_of(self, cls: str) -> dict[str, str]:
         """The types of all members, inherited ones included."""
-        found: dict[str, str] = {}
-        for symbol in self.lineage(cls):
-            found = symbol.members | found
-        return found
+        if cls not in self._members:
+            found: dict[str, str] = {}
+            for symbol in self.lineage(cls):
+                found = symbol.members | found
+            self._members[cls] = found
+        return self._members[cls]
 
     def predicates_of(self, cls: str) -> dict[str, PredicateSymbol]:
         """All predicates, inherited ones included."""
-        found: dict[str, PredicateSymbol] = {}
-        for symbol in self.lineage(cls):
-            found = symbol.predicates | found
-        return found
+        if cls not in self._predicates:
+            found: dict[str, PredicateSymbol] = {}
+            for symbol in self.lineage(cls):
+                found = symbol.predicates | found
+            self._predicates[cls] = found
+        return self._predicates[cls]
 
     def parameters_of(self, cls: str, predicate: str) -> dict[str, str]:
         """The types of a predicate's parameters; a predicate declared again in a subclass adds to them."""
-        found: dict[str, str] = {}
-        for symbol in self.lineage(cls):
-            if predicate in symbol.predicates:
-                found = symbol.predicates[predicate].parameters | found
-        return found
+        key = (cls, predicate)
+        if key not in self._parameters:
+            found: dict[str, str] = {}
+            for symbol in self.lineage(cls):
+                if predicate in symbol.predicates:
+                    found = symbol.predicates[predicate].parameters | found
+            self._parameters[key] = found
+        return self._parameters[key]
 
     def predicate(self, cls: str, name: str, at: Position) -> PredicateKey:
         """The predicate of a class; a complaint when it has none of that name."""

@@ -74,7 +74,7 @@ class Translator:
     def statement(self, statement: Statement) -> None:
         """Translate one statement; what is wrong with it goes to the report."""
         try:
-            translate = self._TRANSLATE.get(type(statement))
+            translate = _TRANSLATE.get(type(statement))
             if translate is None:
                 kind = type(statement).__name__.lower()
                 raise Complaint(statement.at, f"a statement of this kind ({kind}) cannot stand here")
@@ -154,9 +154,8 @@ class Translator:
         real = self.is_real(node.left) or self.is_real(node.right)
         found = self.difference(node)
         if found is not None:
-            interval = Interval(found.lower, found.upper)
-            scope = (found.from_, rules.Constant(domain=interval), found.to)
-            self.out.append(rules.Require("temporalDistance", scope))
+            between = rules.Constant(domain=Interval(found.lower, found.upper))
+            self.out.append(rules.Require("temporalDistance", (found.from_, between, found.to)))
             return
         if node.operator == "==" and isinstance(node.left, Binary) and node.left.operator in RESULT_LAST:
             left = node.left
@@ -195,7 +194,9 @@ class Translator:
         if node.origin is not None:
             self.token(node.origin, node.at)
         elif self.scope.own is None:
-            raise Complaint(node.at, f"outside of a rule, write which token {node.relation} is about: t1 {node.relation} t2;")
+            raise Complaint(
+                node.at, f"outside of a rule, write which token {node.relation} is about: t1 {node.relation} t2;"
+            )
         for target in node.targets:
             self._relate(node.relation, origin, bounds, target)
 
@@ -323,7 +324,7 @@ class Translator:
                 return rules.Constant(found.value)
             return rules.Constant(domain=self.literals.enumerated(found.value, found.enumeration))
         if isinstance(found, StateMeaning):
-            message = "the state of a token is a decision of the planner: goal, rejectable, fact, activate() and the like set it"
+            message = "the state of a token is the planner's to decide; goal, rejectable, fact and activate() set it"
             raise Complaint(node.at, message, unsupported=True)
         raise Complaint(node.at, f"{str(node)!r} is a token, expected a variable of it")
 
@@ -378,12 +379,13 @@ class Translator:
         self.out.append(rules.Local(name, type_, decide=False))
         return rules.Ref((name,))
 
-    _TRANSLATE: dict[type, Callable[[Translator, Any], None]] = {
-        Declaration: _declaration,
-        Assignment: _assignment,
-        Constraint: _constraint,
-        Requirement: _requirement,
-        Relation: _relation,
-        If: _if,
-        ForEach: _for_each,
-    }
+
+_TRANSLATE: dict[type, Callable[[Translator, Any], None]] = {
+    Declaration: Translator._declaration,
+    Assignment: Translator._assignment,
+    Constraint: Translator._constraint,
+    Requirement: Translator._requirement,
+    Relation: Translator._relation,
+    If: Translator._if,
+    ForEach: Translator._for_each,
+}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeGuard
 
 from planner.domains import Domain, Interval, Universe, Values
 from planner.errors import ModelError, nearest
@@ -38,8 +39,6 @@ class Literals:
     def value(self, expression: Expression) -> Value | None:
         """The value of a literal, a value of an enumeration, an object or arithmetic over numbers; None for others."""
         if isinstance(expression, Number | Text | Truth):
-            if isinstance(expression, Text):
-                self.model.strings.add(expression.value)
             return expression.value
         if isinstance(expression, Name):
             return self._named(expression)
@@ -49,7 +48,7 @@ class Literals:
         if isinstance(expression, Binary) and expression.operator in "+-*/":
             left, right = self.value(expression.left), self.value(expression.right)
             if is_number(left) and is_number(right):
-                return _arithmetic(expression, left, right)
+                return arithmetic(expression, left, right)
         return None
 
     def _named(self, name: Name) -> Value | None:
@@ -112,7 +111,7 @@ class Literals:
         return self.model.enumerations[enumeration].domain((value,))
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a number (a truth value is none)."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
@@ -121,7 +120,8 @@ def _is_real(node: Expression) -> bool:
     return isinstance(node, Number) and node.real and not math.isinf(node.value)
 
 
-def _arithmetic(node: Binary, left: float, right: float) -> float | None:
+def arithmetic(node: Binary, left: float, right: float) -> float | None:
+    """The value of an operation on numbers; None where it has none, a complaint for a division by zero."""
     if node.operator == "/":
         if right == 0:
             raise Complaint(node.at, "division by zero")

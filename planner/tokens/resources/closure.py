@@ -49,8 +49,11 @@ class _Flow:
         self.inflow: dict[int, dict[int, float]] = {element: {} for element in self.demand}
 
     def run(self) -> None:
-        """Maximum flow: what is at hand first, then phases of shortest augmenting paths."""
-        for source in self.supply:
+        """Maximum flow: what is at hand first, then phases of shortest augmenting paths.
+
+        At hand first comes who has the fewest to give to: where these sets are nested that is all there is to do.
+        """
+        for source in sorted(self.supply, key=lambda s: (self.requires[s] & self.costs).bit_count()):
             for sink in elements(self.requires[source] & self.unmet):
                 self._send(source, sink, min(self.supply[source], self.demand[sink]))
                 if not self.supply[source]:

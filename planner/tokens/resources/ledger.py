@@ -45,7 +45,12 @@ class Scenario:
     @property
     def limit(self) -> float:
         """What the sum of the steps must keep at the tick."""
-        return (self.ledger.floor if self.low else self.ledger.ceiling).at(self.tick)
+        return self.ledger.limit(self.low).at(self.tick)
+
+    def leaves(self, total: float, limit: float | None = None) -> bool:
+        """Whether a sum of steps is too low, or too high, for the limit (the one at the tick when None)."""
+        value = self.limit if limit is None else limit
+        return total < value - _slack(value) if self.low else total > value + _slack(value)
 
 
 class Ledger:
@@ -72,6 +77,17 @@ class Ledger:
         for event in steps:
             self.trail.append(self.events, event)
         self._doubt()
+
+    def remove(self, transaction: Transaction) -> None:
+        """Take a transaction out, whenever it came."""
+        for place in reversed(range(len(self.events))):
+            if self.events[place].transaction is transaction:
+                self.trail.call(self.events.insert, place, self.events.pop(place))
+        self.forget()
+
+    def limit(self, low: bool) -> Steps:
+        """The floor, or the ceiling."""
+        return self.floor if low else self.ceiling
 
     def forget(self) -> None:
         """Look at everything again: for when constraints were taken out."""
@@ -124,7 +140,7 @@ class Ledger:
 
     def _first(self, low: bool) -> Scenario | None:
         side = 0 if low else 1
-        limit = self.floor if low else self.ceiling
+        limit = self.limit(low)
         since = self._safe[side]
         if since == math.inf or all(math.isinf(value) for value in limit.values):
             return None
@@ -154,28 +170,35 @@ class Ledger:
         return None
 
     def hopeless(self, scenario: Scenario) -> bool:
-        """Whether every schedule leaves the limit at the scenario's tick."""
-        low, tick = scenario.low, scenario.tick
-        gains = self._gains(not low)
+        """Whether every schedule leaves the limit: at the scenario's tick, or at any if the events had no order.
+
+        Never said of uses: what every schedule of theirs does is pruned.
+        """
+        if self.uses:
+            return False
+        low, tick, sign = scenario.low, scenario.tick, 1.0 if scenario.low else -1.0
+        gains, limit = self._gains(not low), self.limit(low)
+        if any(scenario.leaves(sign * most, limit.at(t)) for t, _, _, most in self._stretches(self._ticks(), gains)):
+            return True
         _, closed, pending, _ = next(self._stretches([tick], gains))
         self.precedence.update()
-        best = self._sum(not low, closed | heaviest_closure(gains, self.precedence.before, pending))
-        limit, slack = scenario.limit, _slack(scenario.limit)
-        return best < limit - slack if low else best > limit + slack
+        best = closed | heaviest_closure(gains, self.precedence.before, pending)
+        return scenario.leaves(self._sum(not low, best))
 
     # The sets of events that may have happened
 
     def _ticks(self) -> list[int]:
         """The ticks at which an event becomes possible or certain, or a limit steps."""
-        ticks = {event.earliest for event in self.events} | {event.latest for event in self.events}
+        ticks = {tick for span in self._spans() for tick in span}
         ticks |= {int(t) for limit in (self.floor, self.ceiling) for t in limit.starts if t > -math.inf}
         return sorted(ticks)
 
     def _stretches(self, ticks: Iterable[int], gains: Sequence[float]) -> Iterator[tuple[int, int, int, float]]:
         """For each tick, in order: the events that have happened by then in every schedule, and in some; and how much
         they could gain if they had no order."""
-        opening = sorted((event.earliest, index) for index, event in enumerate(self.events))
-        closing = sorted((event.latest, index) for index, event in enumerate(self.events))
+        spans = self._spans()
+        opening = sorted([(earliest, index) for index, (earliest, _) in enumerate(spans)])
+        closing = sorted([(latest, index) for index, (_, latest) in enumerate(spans)])
         possible = closed = opened = closes = 0
         most = 0.0
         for tick in ticks:
@@ -190,6 +213,11 @@ class Ledger:
                 most += min(gains[index], 0.0)
                 closes += 1
             yield tick, closed, possible & ~closed, most
+
+    def _spans(self) -> list[tuple[int, int]]:
+        """From when an event may have happened and from when it must have."""
+        bounds = self.precedence.temporal.bounds
+        return [(e.offset - bounds[8 * e.point + 4], e.offset + bounds[8 * e.point]) for e in self.events]
 
     def _gains(self, low: bool) -> list[float]:
         """What each event adds to the worse; what has no bound counts as more than all the others together."""

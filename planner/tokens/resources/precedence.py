@@ -84,6 +84,21 @@ class Precedence:
         before = [row | gained if index == later or row >> later & 1 else row for index, row in enumerate(self.before)]
         self.trail.assign(self, "before", before)
 
+    def extreme(self, events: Sequence[Event], latest: bool) -> list[Event]:
+        """Those that no other of these events is known to come after (or before); one of any that always coincide."""
+        wanted = set(map(id, events))
+        places = {index: event for index, event in enumerate(self.events) if id(event) in wanted}
+        kept = []
+        for index, event in places.items():
+            row = self.before[index]
+            for other in places:
+                earlier, later = row >> other & 1, self.before[other] >> index & 1
+                if other != index and (later if latest else earlier) and (earlier != later or other < index):
+                    break
+            else:
+                kept.append(event)
+        return kept
+
     def forget(self) -> None:
         """Nothing is known any more: for when constraints were taken out."""
         self.trail.assign(self, "before", [])

@@ -18,8 +18,8 @@ from planner.errors import ModelError, nearest
 from planner.model.classes import ModelObject
 from planner.model.manager import ModelManager
 from planner.model.resources import ENVELOPE, GROUNDED, PROFILES
-from planner.tokens.resources.clash import Clash, overdraft
-from planner.tokens.resources.ledger import RESOLUTION, Band, Ledger, Scenario
+from planner.tokens.resources.clash import Clash, Overdraft, overdraft_of
+from planner.tokens.resources.ledger import RESOLUTION, Band, Ledger
 from planner.tokens.resources.steps import Steps
 from planner.tokens.resources.timetable import Timetable
 from planner.tokens.resources.transaction import Event, Flow, Transaction
@@ -157,14 +157,14 @@ class Resource:
         times: tuple[TimeVariable, TimeVariable],
         where: AnyVariable,
         owner: Owner,
-    ) -> None:
+    ) -> Transaction:
         """A use of this reusable resource that is not a token of it; ModelError on a reservoir. `where`: the variable
         by which the resource was chosen."""
         if self.is_reservoir:
             raise ModelError(f"{owner!r}: {self.object} is a reservoir, expected a reusable resource")
-        self._enter(Transaction(name, "uses", quantity, times, where, owner))
+        return self._enter(Transaction(name, "uses", quantity, times, where, owner))
 
-    def _enter(self, transaction: Transaction) -> None:
+    def _enter(self, transaction: Transaction) -> Transaction:
         self.trail.append(self.transactions, transaction)
         start, flow = transaction.start, transaction.flow
         if flow == "uses":
@@ -177,7 +177,25 @@ class Resource:
             tick = (Event(start, 0, -1, transaction, True), Event(start, 1, 1, transaction, True))
             self.rates[flow].add(transaction, tick)
         if self.rates or self.sums or not self.is_reservoir:
-            self.network.watch(_Watch(self, transaction))
+            transaction.watch = _Watch(self, transaction)
+            self.network.watch(transaction.watch)
+        return transaction
+
+    def remove(self, token: Token) -> None:
+        """Take a token out, whenever it came. What it narrowed is the caller's to take back."""
+        self.leave(next(t for t in self.transactions if t.token is token))
+
+    def leave(self, transaction: Transaction) -> None:
+        """Take a transaction out, whenever it came."""
+        place = self.transactions.index(transaction)
+        self.trail.call(self.transactions.insert, place, self.transactions.pop(place))
+        for ledger in (self.level, *self.rates.values()):
+            ledger.remove(transaction)
+        if transaction.watch is None:
+            return
+        for variable in transaction.scope:
+            place = variable.watchers.index(transaction.watch)
+            self.trail.call(variable.watchers.insert, place, variable.watchers.pop(place))
 
     def forget(self) -> None:
         """Derive everything anew: to be called when constraints were taken out other than by undo."""
@@ -214,7 +232,7 @@ class Resource:
 
     def _too_much(self, flow: Flow, total: float) -> Clash:
         moved = [t for t in self.transactions if t.flow == flow]
-        return Clash(self, f"{total:g} may be {_DONE[flow]} in all, at most {self.sums[flow]:g} are allowed", moved)
+        return Clash(self, moved, f"{total:g} may be {_DONE[flow]} in all, at most {self.sums[flow]:g} are allowed")
 
     # Judgement
 
@@ -223,7 +241,7 @@ class Resource:
         for ledger in (self.level, *self.rates.values()):
             scenario = ledger.violation()
             if scenario is not None:
-                return overdraft(self, scenario)
+                return overdraft_of(self, scenario)
         for flow, limit in self.sums.items():
             most = math.fsum(t.most for t in self.transactions if t.flow == flow)
             if most > limit + RESOLUTION * max(1.0, abs(limit)):
@@ -250,8 +268,9 @@ class Resource:
             levels.append(Band(start, base + bands[number].lowest, base + bands[number].highest))
         return levels
 
-    def complaint(self, scenario: Scenario, total: float) -> str:
-        """What a scenario does, in words; `total`: the sum of the steps that are to blame."""
+    def complaint(self, overdraft: Overdraft) -> str:
+        """What a schedule does, in words."""
+        scenario, total = overdraft.scenario, overdraft.total
         tick = scenario.tick
         when = f"at {tick}" if abs(tick) < 1 << 49 else "at some time"
         if scenario.ledger is not self.level:

@@ -153,7 +153,7 @@ class Timetable:
         blamed += [
             part for part in self.parts if part is not use and any(part.surely <= t < part.surely_end for t in edges)
         ]
-        return Clash(self.resource, self._told(edges), [use.transaction for use in blamed])
+        return Clash(self.resource, [use.transaction for use in blamed], self._told(edges))
 
     def _told(self, edges: Sequence[float]) -> str:
         first = edges[0] if edges and math.isfinite(edges[0]) else None

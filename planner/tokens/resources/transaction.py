@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from planner.constraints.network import AnyVariable, Owner, TimeVariable
+from planner.constraints.network import AnyVariable, Owner, Propagator, TimeVariable
 from planner.tokens.token import Token
 
 Flow = Literal["uses", "produces", "consumes"]
@@ -14,10 +14,11 @@ class Transaction:
     """One token's use, production or consumption of a resource, or that of a `uses` constraint.
 
     `where`: the variable that says which resource it is on. `token`: the token that it is, unless a constraint asks for
-    it. `shortest`: the least number of ticks that a use is known to last, whatever its bounds say.
+    it. `watch`: what has the resource prune when it changes. `shortest`: the least number of ticks that a use is known
+    to last, whatever its bounds say.
     """
 
-    __slots__ = ("end", "flow", "name", "owner", "quantity", "shortest", "start", "token", "where")
+    __slots__ = ("end", "flow", "name", "owner", "quantity", "shortest", "start", "token", "watch", "where")
 
     def __init__(
         self,
@@ -37,6 +38,7 @@ class Transaction:
         self.where = where
         self.owner = owner
         self.token = token
+        self.watch: Propagator | None = None
         self.shortest = shortest
 
     @property

@@ -9,13 +9,14 @@ from planner.constraints.network import AnyVariable, ConstraintNetworkManager, O
 from planner.errors import ModelError
 from planner.model.classes import ModelObject, objects_in
 from planner.tokens.resources.resource import Resource
+from planner.tokens.resources.transaction import Transaction
 from planner.trail import Trail
 
 
 class PendingUse:
     """Posts the use once its resource is decided."""
 
-    __slots__ = ("owner", "posted", "quantity", "queued", "resources", "scope", "times", "trail")
+    __slots__ = ("owner", "quantity", "queued", "resources", "scope", "times", "trail", "transaction")
 
     def __init__(
         self, resources: Mapping[ModelObject, Resource], scope: Sequence[AnyVariable], owner: Owner, trail: Trail
@@ -31,18 +32,25 @@ class PendingUse:
         self.times = (start, end)
         self.owner = owner
         self.trail = trail
-        self.posted = False
+        self.transaction: Transaction | None = None
         self.queued = False
 
     def run(self, network: ConstraintNetworkManager) -> None:
         """Add the transaction when the resource is known, once."""
         domain = self.scope[0].domain
-        if self.posted or not domain.is_singleton or domain.is_open:
+        if self.transaction is not None or not domain.is_singleton or domain.is_open:
             return
-        self.trail.assign(self, "posted", True)
         (thing,) = objects_in(domain)
         name = self.times[0].name.removesuffix(".start")
-        self.resources[thing].use(name, self.quantity, self.times, self.scope[0], self.owner)
+        posted = self.resources[thing].use(name, self.quantity, self.times, self.scope[0], self.owner)
+        self.trail.assign(self, "transaction", posted)
+
+    def withdraw(self) -> None:
+        """Take the use out again, if it was posted: to be called while the resource is still decided."""
+        if self.transaction is not None:
+            (thing,) = objects_in(self.scope[0].domain)
+            self.resources[thing].leave(self.transaction)
+            self.trail.assign(self, "transaction", None)
 
 
 def _values(variable: AnyVariable) -> list[Any]:

@@ -7,6 +7,9 @@ from typing import Any
 from planner.database import PlanDatabase
 from planner.tokens.token import Token
 
+FAR = 10**9
+"""Ticks from here on are as good as unbounded."""
+
 
 def described(database: PlanDatabase) -> dict[str, Any]:
     """Tokens, domains, bounds, distances, slots, and what is open."""
@@ -34,7 +37,7 @@ def _token(token: Token) -> tuple[Any, ...]:
     variables = [token.object, token.start, token.end, token.duration, *token.parameters.values()]
     host = token.host.name if token.host is not None else None
     domains = {v.name: repr(v.domain) for v in variables}
-    return token.state.name, token.role, token.depth, host, token.placed, repr(token.duration.stated), domains
+    return token.state.name, token.role, token.depth, host, token.placed, domains
 
 
 def _openings(database: PlanDatabase, token: Token) -> tuple[Any, ...]:
@@ -48,5 +51,5 @@ def _distances(database: PlanDatabase, alive: dict[str, Token]) -> dict[str, lis
     table = {}
     for token in ordered:
         row = database.temporal.distances_from(token.start.timepoint)
-        table[token.name] = [row[p] for p in points]
+        table[token.name] = [(max(row[p][0], -FAR), min(row[p][1], FAR)) for p in points]
     return table

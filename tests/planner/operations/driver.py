@@ -9,6 +9,7 @@ from collections.abc import Callable
 from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.operations import Insertion, Operation, Operations, Refusal
+from planner.search.flaws import next_flaw
 from planner.tokens.token import GIVEN, Token, TokenState
 from tests.planner.operations.described import described
 from tests.planner.operations.rebuilt import Rebuilt, Record
@@ -29,6 +30,8 @@ class Driver:
     def run(self, steps: int, check: float = 1.0) -> None:
         """Random steps, each compared with the oracle with a probability."""
         for _ in range(steps):
+            if self.rng.random() < 0.3:
+                next_flaw(self.database)  # a search may look between the operations, and notes what it finds
             issued = self.operations.issued
             if issued and self.rng.random() < 0.3:
                 self.undo(self.rng.choice(issued))

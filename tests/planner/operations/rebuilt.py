@@ -40,7 +40,7 @@ class Rebuilt:
             self.take_up(record)
         for place in range(len(self.records)):
             self.attempt(self.records[place])
-            while any([self.attempt(record) for record in self.records[:place]]):
+            while sum(self.attempt(record) for record in self.records[:place]):
                 pass
 
     def take_up(self, record: Record) -> None:

@@ -1,4 +1,4 @@
-"""Search over small resource problems against every schedule: a plan when there is one, and only with good schedules."""
+"""Search over small resource problems against every schedule: a plan when there is one, with good ones only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,17 @@ from planner.constraints.network import Inconsistency
 from planner.search.engines import ENGINES
 from planner.search.outcome import Limits
 from planner.tokens.resources import Clash
-from tests.planner.tokens.resource_cases import Built, Case, Schedule, build, empty, keeps, random_case, schedules
+from tests.planner.tokens.resource_cases import (
+    Built,
+    Case,
+    Move,
+    Schedule,
+    build,
+    empty,
+    keeps,
+    random_case,
+    schedules,
+)
 from tests.planner.tokens.snapshot import snapshot
 
 LIMITS = Limits(max_steps=3000, max_seconds=60)
@@ -61,6 +71,34 @@ def test_a_plan_is_found_exactly_when_there_is_one(engine: str) -> None:
     assert min(verdicts.values()) > 20
 
 
+def test_a_use_without_length_is_a_way_out() -> None:
+    """Two uses that do not fit together and have to overlap, one of which may have no length."""
+    moves = (Move("draws", (3, 3), (2, 2), (2, 2)), Move("draws", (3, 3), (3, 3), (0, 1)))
+    built = build(Case("Machine", {"capacity": 5}, moves))
+    assert ENGINES["chronological"].search(built.database, LIMITS, None, None).complete
+    assert built.tokens[1].duration.domain.upper == 0
+
+
+def test_looks_between_additions_change_nothing() -> None:
+    """A resource that was judged after every move says in the end what one judged once says."""
+    judged_so = Counter[bool]()
+    for seed in range(80):
+        case = random_case(random.Random(seed))
+        try:
+            once, often = build(case), empty(case)
+            for number in range(len(case.moves)):
+                often.add(number)
+                often.resource.clash()
+            often.constrain()
+            often.database.network.propagate()
+        except Inconsistency:
+            continue
+        assert (once.resource.clash() is None) == (often.resource.clash() is None)
+        assert once.resource.envelope() == often.resource.envelope()
+        judged_so[once.resource.clash() is None] += 1
+    assert min(judged_so[True], judged_so[False]) > 10
+
+
 def test_undo_is_exact() -> None:
     """After any operations are undone, the database and what is derived of the resource are as before them."""
     for seed in range(40):
@@ -87,6 +125,35 @@ def test_undo_is_exact() -> None:
         while states:
             database.trail.pop_to(len(states) - 1)
             assert everything(built) == states.pop()
+
+
+def test_a_transaction_taken_out_leaves_what_the_others_make() -> None:
+    """Out of order, with the same level as if it had never been there, and back again by undo."""
+    for seed in range(60):
+        rng = random.Random(seed)
+        case = random_case(rng, limits=False)
+        if not list(schedules(case)):
+            continue
+        gone = rng.randrange(len(case.moves))
+        kept = [n for n in range(len(case.moves)) if n != gone]
+        built, without = build(case), empty(case)
+        for number in kept:
+            without.add(number)
+        renumbered = {n: without.tokens[k] for k, n in enumerate(kept)}
+        for from_, to, least, most in case.distances:
+            if gone not in (from_[0], to[0]):
+                one, two = renumbered[from_[0]], renumbered[to[0]]
+                ends = (one.end if from_[1] else one.start, two.end if to[1] else two.start)
+                without.database.network.distance(*ends, least, most, "case")
+        without.database.network.propagate()
+        if any(gone in (a[0], b[0]) for a, b, _, _ in case.distances):
+            continue
+        before = built.resource.envelope(), everything(built)
+        built.database.trail.push()
+        built.resource.remove(built.tokens[gone])
+        assert built.resource.envelope() == without.resource.envelope()
+        built.database.trail.pop_to(0)
+        assert (built.resource.envelope(), everything(built)) == before
 
 
 def everything(built: Built) -> tuple[object, ...]:

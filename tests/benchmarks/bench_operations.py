@@ -1,0 +1,145 @@
+"""What it costs to undo one operation of a plan: `python -m tests.benchmarks.bench_operations [tokens ...]`.
+
+Two plans of so many tokens. `altern`: a rover that is at places and goes between them, every token asked for by the one
+before: found by the search's own choice of flaws, its decisions issued as operations. `shows`: independent goals on one
+timeline, each with a subgoal that is codesignated with a lamp that is on.
+
+Timed for each kind of operation, medians over samples: undoing it in order, as the newest; undoing one in the middle of
+the plan, in place; the same by replay of what came later. `gone` is the mean number of tokens that go with it: an
+insertion in `altern` takes along whatever it supports.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable
+
+from planner.constraints.standard import STANDARD
+from planner.database import PlanDatabase
+from planner.language.builder import ModelBuilder
+from planner.operations import Operation, Operations
+from planner.problem import TokenPattern
+from planner.search.collector import patient_collector
+from planner.search.decisions import Assign, Codesignate, Decision, Insert
+from planner.search.flaws import next_flaw
+from tests.planner.operations.worlds import altern_model
+
+SAMPLES, REPLAYS = 40, 2
+
+
+def altern(tokens: int) -> Operations:
+    """A chain of tokens, each the subgoal of the one before."""
+    database = PlanDatabase(altern_model(), (10, 10 + tokens))
+    last = 10 + tokens - 1 - (tokens - 1) % 2
+    database.state(TokenPattern("Rover.At", parameters={"place": "Lander"}, start=(10, 10)), "first", "goal")
+    database.state(TokenPattern("Rover.At", parameters={"place": "Rock"}, start=(last, last)), "last", "goal")
+    database.network.propagate()
+    operations = Operations(database)
+    while (found := next_flaw(database)) is not None:
+        if not any(issue(operations, decision) for decision in found[1]):
+            raise RuntimeError(f"nothing resolves {found[0]!r}: expected a plan without backtracking")
+    return operations
+
+
+def issue(operations: Operations, decision: Decision) -> bool:
+    """A decision of the search as an operation."""
+    if isinstance(decision, Insert):
+        return bool(operations.insert(decision.token, decision.object, decision.position))
+    if isinstance(decision, Codesignate):
+        return bool(operations.codesignate(decision.token, decision.host))
+    assert isinstance(decision, Assign)
+    return bool(operations.restrict(decision.variable, decision.domain))
+
+
+def shows(tokens: int) -> Operations:
+    """Independent goals one after another, with room to move."""
+    builder = ModelBuilder("shows", STANDARD)
+    colour = builder.enumeration("Colour", ["red", "green"])
+    line, lamp = builder.timeline("Line"), builder.timeline("Lamp")
+    show, on = line.predicate("show", {"colour": colour}, duration=(1, 3)), lamp.predicate("on")
+    with show.requires() as this:
+        this.contained_by(on)
+    for name in ("line", "lamp"):
+        builder.object(name, name.capitalize())
+    database = PlanDatabase(builder.finish(), (0, 3 * tokens))
+    database.state(TokenPattern("Lamp.on", "lamp"), "lit", "state")
+    for number in range(tokens):
+        window = (3 * number, 3 * number + 9)
+        database.state(TokenPattern("Line.show", "line", start=window), f"show{number}", "goal")
+    database.network.propagate()
+    operations = Operations(database)
+    operations.insert("lit", "lamp")
+    for number in range(tokens):
+        operations.insert(f"show{number}", "line", number)
+        operations.codesignate(f"show{number}/on0", "lit")
+        operations.restrict(
+            database.tokens.by_name[f"show{number}"].parameters["colour"],
+            database.tokens.by_name[f"show{number}"].parameters["colour"].domain.keep(["red"]),
+        )
+    return operations
+
+
+def by_kind(operations: Operations) -> dict[str, list[Operation]]:
+    """The operations by what they say."""
+    kinds: dict[str, list[Operation]] = defaultdict(list)
+    for operation in operations.issued:
+        kinds[type(operation.statement).__name__.lower()].append(operation)
+    return kinds
+
+
+def in_order_us(operations: Operations) -> dict[str, float]:
+    """Undoing the newest, over and over, until half of the plan is left."""
+    times: dict[str, list[float]] = defaultdict(list)
+    for operation in reversed(operations.issued[len(operations.issued) // 2 :]):
+        times[type(operation.statement).__name__.lower()].append(timed_us(operations, operation))
+    return {kind: statistics.median(found) for kind, found in times.items()}
+
+
+def middle(make: Callable[[int], Operations], tokens: int, kind: str, replay: bool) -> tuple[float, float]:
+    """Undoing operations of one kind, from the end of the plan to its beginning: median time and tokens gone."""
+    operations = make(tokens)
+    operations.in_place = not replay
+    found = by_kind(operations)[kind]
+    count = REPLAYS if replay else min(SAMPLES, len(found))
+    times, gone = [], []
+    for number in reversed(range(count)):
+        operation = found[len(found) * (number + 1) // (count + 1)]
+        if operation.depth is not None:
+            before = len(operations.database.tokens.tokens)
+            times.append(timed_us(operations, operation))
+            gone.append(before - len(operations.database.tokens.tokens))
+    return statistics.median(times), statistics.mean(gone)
+
+
+def timed_us(operations: Operations, operation: Operation) -> float:
+    """Undoing an operation, in microseconds."""
+    started = time.perf_counter()
+    operations.undo(operation)
+    return 1e6 * (time.perf_counter() - started)
+
+
+def main(sizes: list[int]) -> None:
+    """Print a line of JSON for each plan, size and kind."""
+    with patient_collector():
+        altern(30)
+        for make in (altern, shows):
+            for tokens in sizes:
+                started = time.perf_counter()
+                operations = make(tokens)
+                built_s = time.perf_counter() - started
+                kinds = {kind: len(found) for kind, found in by_kind(operations).items()}
+                for kind, newest in in_order_us(operations).items():
+                    in_place, gone = middle(make, tokens, kind, replay=False)
+                    row = {"plan": make.__name__, "tokens": tokens, "built_s": round(built_s, 2), "kind": kind}
+                    row |= {"count": kinds[kind], "in_order_us": round(newest, 1), "in_place_us": round(in_place, 1)}
+                    row |= {"ratio": round(in_place / newest, 1), "gone": round(gone, 1)}
+                    row["replay_us"] = round(middle(make, tokens, kind, replay=True)[0], 1)
+                    print(json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    main([int(size) for size in sys.argv[1:]] or [300, 1000])

@@ -1,0 +1,51 @@
+"""A removal in place is a change like any other: undoing its level puts everything back, whatever was removed."""
+
+from __future__ import annotations
+
+import pytest
+
+from planner.operations.operations import Operations
+from planner.operations.retraction import Retraction, Unsuited
+from tests.planner.operations.driver import Driver
+from tests.planner.operations.worlds import WORLDS
+from tests.planner.tokens.snapshot import snapshot
+
+
+def removals_undone(world: str, seed: int) -> int:
+    """Remove each operation in place, undo the level that it took, and compare; the number of removals."""
+    driver = Driver(WORLDS[world], seed)
+    undone = 0
+    for _ in range(4):
+        driver.run(7, check=0)
+        undone += sum(removed_and_undone(driver.operations, place) for place in range(len(driver.operations.in_force)))
+        driver.compare()
+    return undone
+
+
+def removed_and_undone(operations: Operations, place: int) -> bool:
+    """Take one operation out and undo that, if it can be taken out in place; whether that changed anything."""
+    database, operation = operations.database, operations.in_force[place]
+    before = snapshot(database)
+    retraction = Retraction(database, operations._register, operations._precedences)
+    try:
+        retraction.run(operation)
+    except Unsuited:
+        return False
+    levels = {o: o.depth for o in retraction.suspended.values()}
+    depth = database.trail.push()
+    retraction.carry_out()
+    database.network.propagate()
+    retraction.unsettle()
+    changed = snapshot(database) != before  # not so when the operation restricted nothing
+    database.trail.pop_to(depth)
+    for suspended, level in levels.items():
+        suspended.depth = level
+        operations._register.wake(suspended)
+    after = snapshot(database)
+    assert [key for key in before if before[key] != after[key]] == []
+    return changed
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_removal_is_undone_exactly(world: str) -> None:
+    assert sum(removals_undone(world, seed) for seed in range(8)) > 60
