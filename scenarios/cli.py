@@ -130,18 +130,65 @@ def run_scenario(
     raise typer.Exit(FELL_SHORT if fell_short(summary) else DONE)
 
 
+@app.command("plan")
+def plan_problem(
+    problem: Annotated[Path, typer.Argument(help="A problem in NDDL.")],
+    engine: Annotated[
+        str, typer.Option(help="The search engine; `remote-agent engines` lists them.")
+    ] = "chronological",
+    max_seconds: Annotated[float, typer.Option(min=0.0, help="Give up after this long.")] = 60.0,
+    max_steps: Annotated[int | None, typer.Option(min=1, help="Give up after this many decisions.")] = None,
+    horizon: Annotated[
+        tuple[int, int] | None, typer.Option(metavar="START END", help="Instead of the file's own.")
+    ] = None,
+    include: Annotated[list[Path] | None, typer.Option("-I", "--include", help="Look here for included files.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write the plan file here.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Plan one problem."""
+    from scenarios.errors import ScenarioError
+    from scenarios.plan_verb import plan_file
+
+    answer = plan_file(
+        problem,
+        engine=engine,
+        horizon=horizon,
+        max_seconds=max_seconds,
+        max_steps=max_steps,
+        include=include or (),
+    )
+    if out is not None and answer.plan is not None:
+        try:
+            answer.plan.save(out)
+        except OSError as error:
+            raise ScenarioError(f"--out {out}: {error.strerror}") from error
+    if as_json:
+        print(json.dumps(answer.to_json()))
+    elif answer.plan is None:
+        print(f"{problem}: {answer.reason}")
+    else:
+        from scenarios.console import print_plan
+
+        print_plan(answer.plan, answer.steps, answer.solve_seconds)
+    raise typer.Exit(DONE if answer.solved else FELL_SHORT)
+
+
 @app.command("check")
 def check_plan(
     plan: Annotated[Path, typer.Argument(help="A plan file.")],
-    problem: Annotated[str, typer.Argument(help="The scenario that the plan is for: a name, or a .toml file.")],
+    problem: Annotated[str, typer.Argument(help="What the plan is for: a scenario's name, a .toml or an .nddl file.")],
     as_json: AsJson = False,
 ) -> None:
     """Judge a plan independently of the planner: every violated requirement by name."""
     from planner.plan import FlexiblePlan
     from scenarios.config import load
-    from scenarios.judging import violations_of
+    from scenarios.judging import violations_against, violations_of
 
-    violations = violations_of(FlexiblePlan.load(plan), load(problem))
+    judged = FlexiblePlan.load(plan)
+    if problem.endswith(".nddl"):
+        violations = violations_against(judged, Path(problem))
+    else:
+        violations = violations_of(judged, load(problem))
     if as_json:
         rows = [{"kind": v.kind, "tokens": list(v.tokens), "explanation": v.explanation} for v in violations]
         print(json.dumps({"valid": not violations, "violations": rows}))

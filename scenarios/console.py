@@ -11,12 +11,30 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
+from planner.plan import FlexiblePlan
 from scenarios.folder import RECORDING, REPORT, SUMMARY
 from scenarios.times import clock
 
 _COLOURS = {"achieved": "green", "dropped": "yellow", "missed": "red"}
 _OUTCOMES = {"completed": "bold green", "degraded": "bold yellow", "standby": "bold red", "failed": "bold red"}
 _WIDEST = 120
+
+
+def print_plan(plan: FlexiblePlan, steps: int, seconds: float) -> None:
+    """A plan as its timelines, each slot with its bounds."""
+    console = Console(highlight=False, soft_wrap=True)
+    console.print(f"{plan.model}: {len(plan.tokens)} tokens, planned in {steps} steps and {seconds:.3f} s")
+    for timeline in plan.timelines:
+        console.print(f"{timeline.object}.{timeline.attribute}", markup=False)
+        for slot in timeline.slots:
+            token = plan.token(slot[0])
+            values = ", ".join(f"{name}={value}" for name, value in token.parameters.items())
+            start, end = (f"{_bound(b[0])} to {_bound(b[1])}" for b in (token.start, token.end))
+            console.print(f"  {token.predicate}({values})  start {start}, end {end}", markup=False)
+
+
+def _bound(bound: int | None) -> str:
+    return "any time" if bound is None else str(bound)
 
 
 def print_summary(summary: dict[str, Any], folder: Path) -> None:

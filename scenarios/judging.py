@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from planner.checker import Violation, check
+from planner.constraints.standard import STANDARD
+from planner.language.nddl.builder import load
 from planner.plan import FlexiblePlan, PlanToken
 from planner.problem import Problem, TokenPattern
 from scenarios.config import Scenario
@@ -22,6 +26,12 @@ def violations_of(plan: FlexiblePlan, scenario: Scenario) -> tuple[Violation, ..
     problem = Problem((plan.horizon[0], scenario.horizon), state, goals=goals)
     dropped = [goal.id for goal in goals if goal.id not in claimed]
     return check(plan, model_of(scenario, scenario.name), problem, dropped)
+
+
+def violations_against(plan: FlexiblePlan, model_file: Path) -> tuple[Violation, ...]:
+    """Every requirement of an NDDL model that the plan breaks; what its problem states is taken from the plan."""
+    model, _, _ = load(model_file, STANDARD, ())
+    return check(plan, model)
 
 
 def _stated(token: PlanToken) -> TokenPattern:

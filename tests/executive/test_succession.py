@@ -18,7 +18,7 @@ from executive.history import History
 from executive.port import Acknowledgement, Observation
 from executive.records import Settings
 from executive.replay import replay_history
-from planner.plan import Bounds, PlanTimeline, PlanToken
+from planner.plan import Bounds, PlanConstraint, PlanTimeline, PlanToken
 from planner.problem import DroppedGoal, Goal, Planner, PlanningResult, Problem, TokenPattern
 from tests.executive.scripted import (
     AT_START,
@@ -563,7 +563,10 @@ def test_what_must_be_followed_beyond_the_horizon_lasts_until_then() -> None:
         token = PlanToken("e1", "engine", "mode", "Engine.thrusting", {}, (10, 50), (20, 60), (10, None), goal="thrust")
         after = replace(token, id="e2", predicate="Engine.shuttingDown", goal=None, master="e1")
         lines = (*plan.timelines, PlanTimeline("engine", "mode", (("e1",),)))
-        return PlanningResult(replace(plan, tokens=(*plan.tokens, token), timelines=lines, boundary=(after,)))
+        inside = PlanConstraint("origin", "e1.end", None, 60, "inside the horizon")
+        constraints = (*plan.constraints, inside)
+        tokens = (*plan.tokens, token)
+        return PlanningResult(replace(plan, tokens=tokens, timelines=lines, constraints=constraints, boundary=(after,)))
 
     plant = ScriptedPlant(AT_START, table)
     wanted = (Goal("thrust", TokenPattern("Engine.thrusting")),)

@@ -182,7 +182,8 @@ def test_tumbling_ends_an_episode_badly():
     push = np.array([1, 1, -1, -1], dtype=np.float32)
     rewards, ended = [], False
     while not ended:
-        _, reward, ended, _, info = env.step(push)
+        observation, reward, ended, _, info = env.step(push)
+        assert env.observation_space.contains(observation), "also the one that ends it, beyond the bound"
         rewards.append(reward)
         assert len(rewards) < 60, info
     assert rewards[-1] < -99.0

@@ -5,7 +5,7 @@ import pytest
 
 from sim import ConfigurationError, Spacecraft, SpacecraftConfig
 from sim.components.ion_engine import STANDARD_GRAVITY_M_S2, THROTTLE_TABLE
-from sim.quaternion import dot, rotate
+from sim.quaternion import dot, rotate, rotate_inverse
 from tests.sim.flights import FAST, command, slew, thrusting, until
 
 
@@ -54,6 +54,10 @@ def test_every_target_gets_full_sun_once_settled():
     for target in ("thrust_a", "asteroid_b", "asteroid_d", "earth"):
         slew(craft, target)
         assert craft.telemetry()["power.array_W"] == pytest.approx(full, rel=1e-3)
+        state = craft.state_for_recording()
+        x, _, z = rotate_inverse(state.attitude_IB, state.sun_direction_I)
+        for angle in state.wing_angles_rad:
+            assert x * math.cos(angle) - z * math.sin(angle) > 0.999, "the wings really face the Sun"
 
 
 def test_power_of_camera_and_engine_as_the_planner_counts_it():

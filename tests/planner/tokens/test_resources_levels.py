@@ -92,7 +92,7 @@ def test_the_grounded_profile_is_the_earliest_schedule() -> None:
 
 def test_a_clash_is_found_exactly_when_some_schedule_commits_it() -> None:
     verdicts = set()
-    for case, found, built in cases(400, limits=True):
+    for case, found, built in cases(250, limits=True):
         left = [s for s in found if allowed(built, s)]
         broken = not all(keeps(case, s) for s in left)
         assert (built.resource.clash() is not None) == broken, case
@@ -102,11 +102,11 @@ def test_a_clash_is_found_exactly_when_some_schedule_commits_it() -> None:
 
 def test_pruning_keeps_every_schedule_that_keeps_the_limits() -> None:
     pruned = 0
-    for case, found, built in cases(500, limits=True):
+    for case, found, built in cases(250, limits=True):
         for schedule in found:
             assert not keeps(case, schedule) or allowed(built, schedule), (case, schedule)
             pruned += not allowed(built, schedule)
-    assert pruned > 300
+    assert pruned > 150
 
 
 def allowed(built: Built, schedule: Schedule) -> bool:

@@ -44,14 +44,14 @@ def test_truncated(name: str, cut: float) -> None:
 
 
 @pytest.mark.parametrize("name", TEXTS)
-@settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_mutated(name: str, data: st.DataObject) -> None:
-    pieces = re.findall(r"\w+|\s+|[^\w\s]", TEXTS[name])
-    for _ in range(data.draw(st.integers(1, 4))):
-        place = data.draw(st.integers(0, len(pieces) - 1))
-        other = data.draw(st.integers(0, len(pieces) - 1))
-        action = data.draw(st.sampled_from(("drop", "double", "swap", "replace", "take")))
+    pieces = re.findall(r"\w+|//.*|\s+|[^\w\s]", TEXTS[name])
+    places = [n for n, piece in enumerate(pieces) if not piece.isspace() and not piece.startswith("//")]
+    for _ in range(data.draw(st.integers(1, 3))):
+        place, other = (places[int(data.draw(st.floats(0, 0.9999)) * len(places))] for _ in range(2))
+        action = data.draw(st.sampled_from(("drop", "double", "swap", "replace", "take", "take", "misspell")))
         if action == "drop":
             pieces[place] = ""
         elif action == "double":
@@ -60,6 +60,8 @@ def test_mutated(name: str, data: st.DataObject) -> None:
             pieces[place], pieces[other] = pieces[other], pieces[place]
         elif action == "replace":
             pieces[place] = data.draw(st.sampled_from(WORDS))
+        elif action == "misspell":
+            pieces[place] += "x"
         else:
             pieces[place] = pieces[other]
     survives("".join(pieces))

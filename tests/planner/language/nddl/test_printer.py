@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 
 from planner.language.nddl.errors import Report, Source
 from planner.language.nddl.parser import parse
@@ -20,7 +20,13 @@ def read(text: str) -> tuple[Statement, ...]:
     return found
 
 
-@settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=120,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=list(HealthCheck),
+    phases=[Phase.explicit, Phase.generate],  # trees are small as they come; making them smaller takes minutes
+)
 @given(programs)
 def test_print_and_parse_is_the_identity(program: tuple[Statement, ...]) -> None:
     assert read(render(program)) == program
