@@ -9,6 +9,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -94,6 +95,9 @@ def run_scenario(
     images: Annotated[
         bool, typer.Option("--images/--no-images", help="Render the cameras (needs offscreen OpenGL).")
     ] = True,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run in --out, which was broken off; all else as it was.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Fly a scenario end to end, into a run folder."""
@@ -108,15 +112,15 @@ def run_scenario(
     loaded = load(scenario)
     faults = chosen_faults(loaded, [] if no_faults else fault)
     with _progress(loaded.name, loaded.horizon, as_json) as (progress, warn):
-        from scenarios.folder import new_folder
+        from scenarios.folder import folder_to_resume, new_folder
         from scenarios.report import write_report
         from scenarios.run import Flight, Listener, RunOptions
         from scenarios.summary import fell_short
 
         flight = Flight(loaded, RunOptions(seed, faults, images))
-        folder = new_folder(out, loaded.name)
+        folder = folder_to_resume(out) if resume else new_folder(out, loaded.name)
         try:
-            summary = flight.fly(folder, Listener(progress, warn))
+            summary = flight.fly(folder, Listener(progress, warn), resume)
         except KeyboardInterrupt:
             warn(f"interrupted; what was written so far is readable: {folder}")
             raise typer.Exit(INTERRUPTED) from None
@@ -128,6 +132,32 @@ def run_scenario(
 
         print_summary(summary, folder)
     raise typer.Exit(FELL_SHORT if fell_short(summary) else DONE)
+
+
+@app.command("replay")
+def replay_run(
+    run_dir: Annotated[Path, typer.Argument(help="A run folder.")],
+    as_json: AsJson = False,
+) -> None:
+    """Re-run the executive from a run's journal and say whether it does the same, byte for byte."""
+    from executive.replay import replay
+    from scenarios.ds1.bindings import BINDINGS
+    from scenarios.errors import ScenarioError
+    from scenarios.folder import JOURNAL
+
+    journal = run_dir / JOURNAL
+    if not journal.is_file():
+        raise ScenarioError(f"{run_dir}: expected a run folder with {JOURNAL}, found none")
+    result = replay(journal, BINDINGS)
+    difference = result.first_difference
+    if as_json:
+        told = None if difference is None else asdict(difference)
+        print(json.dumps({"identical": result.identical, "lines": result.lines, "first_difference": told}))
+    elif difference is None:
+        print(f"{journal}: identical, {result.lines} lines")
+    else:
+        print(f"{journal}:{difference.line}: recorded {difference.recorded}, replayed {difference.replayed}")
+    raise typer.Exit(DONE if result.identical else FELL_SHORT)
 
 
 @app.command("plan")
@@ -228,6 +258,21 @@ def review_run(
     else:
         for line in (*made.get("pictures", ()), *([made["report"]] if "report" in made else ())):
             print(line)
+
+
+@app.command("doctor")
+def examine_machine(as_json: AsJson = False) -> None:
+    """What this machine has of what a run needs, and the package to install for what is missing."""
+    from sim.doctor import examine
+
+    findings = examine(Path())
+    for finding in findings:
+        if as_json:
+            print(json.dumps(asdict(finding)))
+        else:
+            state = "ok" if finding.ok else "missing" if finding.required else "optional"
+            print(f"{state:9}{finding.need}: {finding.found}{'' if finding.ok else f'; {finding.remedy}'}")
+    raise typer.Exit(FELL_SHORT if any(f.required and not f.ok for f in findings) else DONE)
 
 
 @stnu_app.command("check")

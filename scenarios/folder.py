@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from executive.journal import LineStream
 from scenarios.errors import ScenarioError
 
 SUMMARY = "summary.json"
@@ -36,16 +36,38 @@ def new_folder(wanted: Path | None, name: str) -> Path:
     raise ScenarioError(f"runs/{name}: a thousand runs are there already; give --out")
 
 
-class OverheardStream(io.TextIOWrapper):
-    """A journal's new file that tells each entry to a listener once it is written and flushed."""
+def folder_to_resume(wanted: Path | None) -> Path:
+    """The folder of a run that was broken off; ScenarioError when it holds none."""
+    if wanted is None:
+        raise ScenarioError("--resume: give the folder of the run that was broken off with --out")
+    if not (wanted / JOURNAL).is_file():
+        raise ScenarioError(f"{wanted}: expected a run folder with {JOURNAL}, found none")
+    (wanted / PLANS).mkdir(exist_ok=True)
+    return wanted
 
-    def __init__(self, path: Path, listener: Callable[[dict[str, Any]], None]) -> None:
-        super().__init__(path.open("xb"), encoding="utf-8", newline="\n")
+
+def new_stream(path: Path) -> LineStream:
+    """A new journal file."""
+    return path.open("x", encoding="utf-8", newline="\n")
+
+
+class OverheardStream:
+    """A journal's stream that tells each entry to a listener once it is written and flushed."""
+
+    def __init__(self, stream: LineStream, listener: Callable[[dict[str, Any]], None]) -> None:
+        self._stream = stream
         self._listener = listener
 
     def write(self, line: str, /) -> int:
         """Write one line, flush it, tell it."""
-        count = super().write(line)
-        self.flush()
+        count = self._stream.write(line)
+        self._stream.flush()
         self._listener(json.loads(line))
         return count
+
+    def flush(self) -> None:
+        """Nothing is left to flush."""
+
+    def close(self) -> None:
+        """Close the stream."""
+        self._stream.close()

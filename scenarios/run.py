@@ -14,9 +14,10 @@ from executive.executive import Executive
 from executive.journal import Journal
 from executive.network import PlanNetwork
 from executive.records import Settings
+from executive.resume import Continuation, planner_of
 from planner.plan import FlexiblePlan
 from planner.planning import plan
-from planner.problem import PlanningResult, Problem
+from planner.problem import Planner, PlanningResult, Problem
 from planner.search.outcome import Limits
 from planner.temporal.controllability import check
 from scenarios.bridge import SpacecraftPlant
@@ -25,7 +26,7 @@ from scenarios.ds1.bindings import BINDINGS
 from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
 from scenarios.flight_rules import RuleWatch
-from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream
+from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, new_stream
 from scenarios.observer import Observer
 from scenarios.summary import summarize
 from scenarios.words import Reasons
@@ -78,9 +79,13 @@ class Flight:
         for fault in options.faults:
             self.spacecraft.inject(fault.name, fault.at, fault.until, fault.parameters)
 
-    def fly(self, folder: Path, listener: Listener) -> dict[str, Any]:
-        """Fly it, once, into an empty run folder. Whatever ends the run, the folder stays readable."""
-        log = RunLog(self, folder, listener)
+    def fly(self, folder: Path, listener: Listener, resume: bool = False) -> dict[str, Any]:
+        """Fly it, once, into an empty run folder. Whatever ends the run, the folder stays readable.
+
+        `resume`: the folder holds a run that was broken off. It is flown again from its start, on the answers that its
+        journal holds, until the journal ends, and then goes on; ResumeError when it comes out differently.
+        """
+        log = RunLog(self, folder, listener, resume)
         try:
             for second in range(self.scenario.horizon + 1):
                 self.tell_faults(second, log.journal)
@@ -90,6 +95,7 @@ class Flight:
                 if second % PROGRESS_PERIOD_S == 0:
                     listener.progress(second, log.doing)
             log.executive.finish()
+            log.check_caught_up()
         finally:
             log.close()
         summary = self.summary(log)
@@ -127,19 +133,25 @@ class Flight:
 class RunLog:
     """The executive of a flight and all that is written down about it: journal, plans, recording."""
 
-    def __init__(self, flight: Flight, folder: Path, listener: Listener) -> None:
+    def __init__(self, flight: Flight, folder: Path, listener: Listener, resume: bool) -> None:
         scenario, options = flight.scenario, flight.options
         self.folder = folder
         self.listener = listener
         self.reasons = Reasons()
         self.doing = "standby"
         self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
-        self.stream = OverheardStream(folder / JOURNAL, self.overhear)
-        self.journal = Journal(self.stream)
         settings = Settings(scenario=scenario.name, seed=options.seed, budget=scenario.deliberation)
+        think: Planner = flight.think
+        path = folder / JOURNAL
+        self.continuation = Continuation(path) if resume else None
+        if self.continuation is not None:
+            recorded, settings = planner_of(self.continuation.history, think, settings)
+            think = recorded.plan
+        self.stream = OverheardStream(self.continuation or new_stream(path), self.overhear)
+        self.journal = Journal(self.stream)
         goals = [goal.goal() for goal in scenario.goals]
         horizon = (0, scenario.horizon)
-        self.executive = Executive(flight.plant, BINDINGS, flight.think, goals, horizon, self.journal, settings)
+        self.executive = Executive(flight.plant, BINDINGS, think, goals, horizon, self.journal, settings)
 
     def overhear(self, entry: dict[str, Any]) -> None:
         """What the journal says, told to the recording; a plan is saved when it is adopted."""
@@ -154,6 +166,11 @@ class RunLog:
         if doing is not None:
             self.doing = doing
             self.listener.progress(entry["t"], doing)
+
+    def check_caught_up(self) -> None:
+        """ResumeError when a resumed run did not come to all that its journal says."""
+        if self.continuation is not None:
+            self.continuation.check_caught_up()
 
     def close(self) -> None:
         """End the recording and the journal."""

@@ -15,7 +15,8 @@ from planner.errors import nearest
 from planner.model.classes import ModelObject
 from planner.operations.order import Precedences
 from planner.operations.register import Register
-from planner.operations.retraction import Retraction, Unsuited, restrict, variable_of
+from planner.operations.restricting import restrict, variable_of
+from planner.operations.retraction import Retraction, Unsuited
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction, Statement
 from planner.tokens.token import GIVEN, Token, TokenState
 

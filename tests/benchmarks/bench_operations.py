@@ -5,8 +5,8 @@ before: found by the search's own choice of flaws, its decisions issued as opera
 timeline, each with a subgoal that is codesignated with a lamp that is on.
 
 Timed for each kind of operation, medians over samples: undoing it in order, as the newest; undoing one in the middle of
-the plan, in place; the same by replay of what came later. `gone` is the mean number of tokens that go with it: an
-insertion in `altern` takes along whatever it supports.
+the plan, in place; the same by replay of what came later. `gone` is the mean number of operations that go out of force
+with it: an insertion in `altern` takes along whatever it supports. `each_ratio` is the ratio for each of those.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def in_order_us(operations: Operations) -> dict[str, float]:
 
 
 def middle(make: Callable[[int], Operations], tokens: int, kind: str, replay: bool) -> tuple[float, float]:
-    """Undoing operations of one kind, from the end of the plan to its beginning: median time and tokens gone."""
+    """Undoing operations of one kind, from the end of the plan to its beginning: median time and operations gone."""
     operations = make(tokens)
     operations.in_place = not replay
     found = by_kind(operations)[kind]
@@ -109,9 +109,9 @@ def middle(make: Callable[[int], Operations], tokens: int, kind: str, replay: bo
     for number in reversed(range(count)):
         operation = found[len(found) * (number + 1) // (count + 1)]
         if operation.depth is not None:
-            before = len(operations.database.tokens.tokens)
+            before = len(operations.in_force)
             times.append(timed_us(operations, operation))
-            gone.append(before - len(operations.database.tokens.tokens))
+            gone.append(before - len(operations.in_force))
     return statistics.median(times), statistics.mean(gone)
 
 
@@ -137,6 +137,7 @@ def main(sizes: list[int]) -> None:
                     row = {"plan": make.__name__, "tokens": tokens, "built_s": round(built_s, 2), "kind": kind}
                     row |= {"count": kinds[kind], "in_order_us": round(newest, 1), "in_place_us": round(in_place, 1)}
                     row |= {"ratio": round(in_place / newest, 1), "gone": round(gone, 1)}
+                    row["each_ratio"] = round(in_place / newest / gone, 1)
                     row["replay_us"] = round(middle(make, tokens, kind, replay=True)[0], 1)
                     print(json.dumps(row), flush=True)
 

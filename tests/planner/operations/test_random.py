@@ -53,17 +53,15 @@ def _stands(retraction: Retraction, variable: Changing, after: float, before: Do
 @pytest.mark.parametrize(
     ("owner", "name", "planted", "world"),
     [
-        (Retraction, "_follow", _nothing, "altern"),
+        (Retraction, "_drop_effects", _nothing, "altern"),
         (Retraction, "_review_guards", _nothing, "switches"),
-        (Retraction, "_review_readers_of_time", _nothing, "switches"),
         (Retraction, "_close_gap", _nothing, "camera"),
         (Retraction, "_restrict_anew", _nothing, "switches"),
-        (Retraction, "_stands_by_itself", _stands, "altern"),
+        (Retraction, "_stands_by_itself", _stands, "switches"),
         (Retraction, "unsettle", _nothing, "altern"),
         (Precedences, "of", _no_edges, "camera"),
         (Lineup, "enter", _at_the_end, "camera"),
         (Operations, "_retry", _nothing, "altern"),
-        (Operations, "_order_matters", _nothing, "altern"),
     ],
 )
 def test_a_planted_bug_is_seen(

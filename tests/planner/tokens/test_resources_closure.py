@@ -55,3 +55,5 @@ def test_a_long_chain_of_detours() -> None:
     found = heaviest_closure(gains, requires, (1 << (2 * size)) - 1)
     assert sum(gains[i] for i in elements(found)) == 1.0
     assert found == (1 << (2 * size)) - 1
+    gains[-1] = -2.0
+    assert heaviest_closure(gains, requires, (1 << (2 * size)) - 1) == 0

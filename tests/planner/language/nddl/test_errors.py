@@ -87,7 +87,6 @@ def test_all_errors_of_a_file_in_one_go() -> None:
 
 def test_the_source_line_is_shown_with_a_caret() -> None:
     with pytest.raises(NddlError) as caught:
-        load_text("int x;\n\teq(x, yy);\n", STANDARD, "model.nddl")
         Run("int x;\n\teq(x, yy);\n")
     assert str(caught.value).splitlines()[-2:] == ["    \teq(x, yy);", "    \t      ^"]
 

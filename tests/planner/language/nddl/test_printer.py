@@ -29,7 +29,9 @@ def read(text: str) -> tuple[Statement, ...]:
 )
 @given(programs)
 def test_print_and_parse_is_the_identity(program: tuple[Statement, ...]) -> None:
-    assert read(render(program)) == program
+    text = render(program)
+    same = read(text) == program
+    assert same, text
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.nddl")), ids=lambda p: p.name)
