@@ -28,7 +28,10 @@ MAX_LINES = 400
 LONG_FILES = {
     "planner/temporal/kernel_python.py": "compiled as one unit, with the data layout that all of it shares",
     "planner/temporal/_controllability_kernel.py": "compiled as one unit, twin of the plain Python one",
+    "tests/executive/scripted.py": "the scripted plant of all tests of the executive, with its small domain",
     "tests/executive/test_executive.py": "one scripted plant, one behaviour a test",
+    "tests/executive/test_succession.py": "golden transcripts: most of it is what they say",
+    "tests/planner/test_checker.py": "one mutation of a valid plan a case, each with the violation that it must give",
     "tests/executive/test_transcripts.py": "golden transcripts: most of it is what they say",
 }
 MADE = {".git", ".hypothesis", ".venv", "__pycache__", "build", "dist", "runs"}

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from planner.temporal import kernel_python as layout
+from planner.temporal.cycle import negative_loop
 from planner.temporal.kernel import load_kernel
 
 INFINITY = layout.INFINITY
@@ -247,7 +248,7 @@ class TemporalNetworkManager:
         """The same cycle edge by edge: (from, to, weight, constraint), `to - from <= weight`; -1: an initial bound."""
         rows = [tuple(self._walk[place : place + 4]) for place in range(0, len(self._walk), 4)]
         walk = rows[: self._walk_back][::-1] + rows[self._walk_back :]
-        return _negative_loop([(row[0], row[1], row[2], row[3]) for row in walk])
+        return negative_loop([(row[0], row[1], row[2], row[3]) for row in walk])
 
     def explain(self, timepoint: int, which: Literal["lower", "upper"]) -> tuple[int, ...]:
         """The constraints on the chain of reasons of a bound, from the timepoint back to the origin."""
@@ -387,21 +388,3 @@ def _grown(words: _Words, size: int) -> _Words:
     larger = np.zeros(size, np.int64)
     larger[: len(words)] = words
     return larger
-
-
-def _negative_loop(walk: list[tuple[int, int, int, int]]) -> list[tuple[int, int, int, int]]:
-    """A simple cycle of negative weight out of a closed walk of negative weight."""
-    path: list[tuple[int, int, int, int]] = []
-    place: dict[int, int] = {}
-    for edge in walk:
-        place[edge[0]] = len(path)
-        path.append(edge)
-        first = place.get(edge[1])
-        if first is None:
-            continue
-        if sum(weight for _, _, weight, _ in path[first:]) < 0:
-            return path[first:]
-        for closed in path[first:]:
-            del place[closed[0]]
-        del path[first:]
-    return path

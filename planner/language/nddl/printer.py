@@ -90,7 +90,7 @@ def _comma(expressions: Iterable[Expression]) -> str:
 def _operand(expression: Expression) -> str:
     text = render_expression(expression)
     # A sign next to a sign, or an operation within another, needs parentheses.
-    return text
+    return f"({text})" if isinstance(expression, Binary | Unary) else text
 
 
 def _range(node: Range | Bounds) -> str:

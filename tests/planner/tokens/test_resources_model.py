@@ -232,3 +232,12 @@ def test_a_reservoir_is_filled_before_it_is_drained() -> None:
     short = plan(model("Reservoir", {"initial": 1, "level_max": 10}), Problem((0, 50), goals=tuple(goals[:2])))
     assert [d.id for d in short.dropped] == ["drain"] or [d.id for d in short.dropped] == ["fill"]
     assert "thing (level 0 to 10)" in short.dropped[0].reason
+
+
+def test_what_a_limit_forbids_for_a_while_comes_after_it() -> None:
+    """Three of four can only be drained once no reserve is asked for any more."""
+    members = {"initial": 4, "level_min": ((0, 0), (10, 3), (20, 0)), "level_max": 9}
+    drain = Goal("drain", TokenPattern("Reservoir.consume", None, {"quantity": 3}, (5, 30)))
+    result = plan(model("Reservoir", members), Problem((0, 50), goals=(drain,)))
+    assert result.plan is not None
+    assert [t.start for t in result.plan.tokens] == [(20, 30)]
