@@ -178,6 +178,8 @@ def _subgoal_follows(reader: Reader, index: int) -> bool:
     """Whether `c.d e` stands that many tokens on: a predicate and a token's name, which only a relation has."""
     while reader.ahead(index).kind == "name" and reader.ahead(index + 1).text == ".":
         index += 2
+    if reader.ahead(index).text == "new":
+        return False
     return reader.ahead(index).kind == reader.ahead(index + 1).kind == "name"
 
 

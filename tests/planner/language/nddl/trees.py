@@ -7,6 +7,7 @@ import math
 from hypothesis import strategies as st
 
 from planner.language.nddl import syntax
+from planner.language.nddl.printer import render
 from planner.model.relations import RELATIONS
 
 names = st.sampled_from(["a", "b", "At", "x1", "from_", "$z", "location", "_p"])
@@ -115,3 +116,20 @@ programs = st.lists(
     | st.just(syntax.Signature(("constraint", "f", "(", "a", ",", "b", ")", ";"))),
     max_size=4,
 ).map(tuple)
+
+
+class Sample:
+    """A program that is shown as its text: Hypothesis takes minutes to write such a tree out."""
+
+    def __init__(self, program: tuple[syntax.Statement, ...]) -> None:
+        self.program = program
+        self.text = render(program)
+
+    def __repr__(self) -> str:
+        return self.text
+
+
+@st.composite
+def samples(draw: st.DrawFn) -> Sample:
+    """A program with its text."""
+    return Sample(draw(programs))
