@@ -19,8 +19,8 @@ from planner.checker.view import Slot, View, closed
 from planner.checker.violations import Violation
 from planner.checker.witnesses import Witnesses
 from planner.domains import Domain, Interval, Values
-from planner.model.classes import ModelObject
-from planner.model.rules import Guard, Local, OneOf, Relate, Require, Statement, Subgoal
+from planner.model.classes import ModelObject, objects_in
+from planner.model.rules import ForEach, Guard, Local, OneOf, Relate, Require, Statement, Subgoal
 
 MOST_VALUES = 1000
 """A local variable with more values than this is tried at the ends of its range only."""
@@ -104,6 +104,8 @@ class _Body:
                 yield (), reached
         elif isinstance(statement, Guard):
             yield from self._guard(statement, path, state)
+        elif isinstance(statement, ForEach):
+            yield self._for_each(statement, path, state)
         else:
             yield from self._one_of(statement, path, state)
 
@@ -165,6 +167,17 @@ class _Body:
         for value in domain.values():
             one = domain.keep((value,)) if isinstance(domain, Values) else domain
             yield state.bound(path, statement.name, one)
+
+    def _for_each(self, statement: ForEach, path: Path, state: _State) -> tuple[_Todo, _State]:
+        """The body for every object that the plan leaves: at least for these it was carried out."""
+        expressions = self.expressions
+        left = expressions.domain(statement.over, state.names, path, expressions.range_of)
+        todo: list[tuple[Statement, Path]] = []
+        for thing in () if left is None else objects_in(left):
+            inner = (*path, len(state.names))
+            state = state.bound(inner, statement.name, self.view.model.objects_of(thing.cls).keep((thing,)))
+            todo += [(inside, inner) for inside in statement.body]
+        return tuple(todo), state
 
     def _guard(self, statement: Guard, path: Path, state: _State) -> Iterator[tuple[_Todo, _State]]:
         """A guard acts once its test is decided; over a local number it waits, and decides nothing."""

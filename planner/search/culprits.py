@@ -2,7 +2,8 @@
 
 An owner that an explanation names exists because of decisions: a rule instance because its token was made active (and
 its guard decided), a token because a rule instance asked for it. What a decision itself rests on counts when its flaw
-is exhausted: why the flaw was there, and why it had no other decisions. Where this cannot be told, every decision is taken as a culprit: a search may then jump less far, never too far.
+is exhausted: why the flaw was there, and why it had no other decisions. Where this cannot be told, every decision is
+taken as a culprit: a search may then jump less far, never too far.
 """
 
 from __future__ import annotations

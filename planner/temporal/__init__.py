@@ -1,1 +1,1 @@
-"""Time: timepoints, the compiled kernel and its manager; networks with uncertainty, their controllability and dispatch."""
+"""Time: timepoints, the compiled kernel and its manager; networks with uncertainty and their controllability."""

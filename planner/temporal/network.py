@@ -194,7 +194,7 @@ class TemporalNetworkManager:
 
     @property
     def bounds(self) -> memoryview:
-        """For hot loops: t's latest time at `LATEST * t`, minus its earliest EARLIEST further; until the next change."""
+        """For hot loops: t's latest time at `LATEST * t`, minus its earliest EARLIEST on; until the next change."""
         return self._label_view
 
     def watch(self, timepoint: int) -> None:
