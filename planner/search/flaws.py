@@ -47,6 +47,15 @@ class OpenToken:
         if token.role == "rejectable":
             yield Reject(token)
 
+    def count(self, database: PlanDatabase) -> int:
+        """How many decisions there are."""
+        token = self.token
+        hosts, places = database.tokens.openings(token)
+        count = len(hosts) + (token.role == "rejectable")
+        if token.predicate.exogenous and token.role not in GIVEN:
+            return count
+        return count + (len(places) if token.kind == "timeline" else len(objects_in(token.object.domain)))
+
     def __repr__(self) -> str:
         return f"open {self.token!r}"
 
@@ -213,7 +222,7 @@ def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Tok
         key = lower(start), upper(start), lower(end), upper(end)
         if not crowded or key != token.rank_key:
             token.rank_key = key
-            token.rank = _rank(token, sum(1 for _ in OpenToken(token).decisions(database)), key[0])
+            token.rank = _rank(token, OpenToken(token).count(database), key[0])
         if best is None or token.rank < best[0]:
             best = token.rank, token
     return best

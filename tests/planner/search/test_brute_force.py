@@ -176,3 +176,25 @@ def test_backjumping_does_not_try_what_is_beside_the_point() -> None:
         assert outcome.exhausted
         steps[engine] = outcome.steps
     assert steps == {"chronological": 1022, "backjumping": 10}
+
+
+def test_decisions_are_counted_as_they_are_listed() -> None:
+    counted = 0
+    for seed in range(60):
+        small = random_small(random.Random(seed))
+        problem = problem_of(small)
+        database = PlanDatabase(model_of(small), problem.horizon)
+        try:
+            for goal in problem.goals:
+                database.state(goal.token, goal.id, "goal")
+            for pattern in problem.facts:
+                database.state(pattern, "fact", "fact")
+            database.network.propagate()
+        except Inconsistency:
+            continue
+        ENGINES["chronological"].search(database, Limits(max_steps=20), None, None)
+        for token in database.tokens.open_tokens.values():
+            flaw = OpenToken(token)
+            assert flaw.count(database) == len(list(flaw.decisions(database)))
+            counted += 1
+    assert counted > 50
