@@ -6,28 +6,13 @@ newest one. A problem without a solution is so often proven without trying the a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from functools import partial
-from time import perf_counter
-
 from planner.constraints.network import Inconsistency
 from planner.database import PlanDatabase
 from planner.search.collector import patient_collector
 from planner.search.culprits import Culprits
 from planner.search.decisions import Decision
-from planner.search.flaws import Flaw, next_flaw
+from planner.search.depth_first import DepthFirst, Frame
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
-
-
-@dataclass(slots=True)
-class _Frame:
-    """A flaw under resolution. `conflict`: the places of the decisions that spoilt those tried so far."""
-
-    flaw: Flaw
-    decisions: Iterator[Decision]
-    depth: int
-    conflict: set[int] = field(default_factory=set)
 
 
 def search(
@@ -41,47 +26,22 @@ def search(
     On success the database holds the plan; otherwise it is as before.
     """
     with patient_collector():
-        return _Search(database, limits, accept, describe).run()
+        return _Backjumping(database, limits, accept, describe).run()
 
 
-class _Search:
+class _Backjumping(DepthFirst):
     def __init__(
         self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
     ) -> None:
-        self.database = database
-        self.max_steps = limits.max_steps
-        self.deadline = perf_counter() + limits.max_seconds
-        self.accept = accept
-        self.describe = describe
-        self.outcome = Outcome()
-        self.stack: list[_Frame] = []
+        super().__init__(database, limits, accept, describe)
         self.places: dict[int, int] = {}
         self.chosen: list[Decision] = []
         self.culprits = Culprits(database, self.places)
 
-    def run(self) -> Outcome:
-        bottom = self.database.trail.push()
-        while True:
-            found = next_flaw(self.database)
-            if found is None:
-                if self.accept is None or self.accept(self.database):
-                    self.outcome.complete = True
-                    return self.outcome
-                self.outcome.note(len(self.stack), lambda: "a complete plan was refused")
-                going_on = self.jump(self.culprits.everything())
-            else:
-                flaw, decisions = found
-                if not decisions:
-                    self.outcome.note(len(self.stack), partial("nothing resolves {!r}".format, flaw))
-                self.stack.append(_Frame(flaw, iter(decisions), self.database.trail.depth))
-                going_on = True
-            if not going_on or not self.advance():
-                self.outcome.exhausted = not self.stack
-                self.database.trail.pop_to(bottom)
-                return self.outcome
+    def refused(self) -> bool:
+        return self.jump(self.culprits.everything())
 
     def advance(self) -> bool:
-        """Take the next consistent decision, jumping back as far as needed; False at the end of search or of limits."""
         while self.stack:
             frame = self.stack[-1]
             decision = next(frame.decisions, None)
@@ -89,7 +49,7 @@ class _Search:
                 if not self.jump(frame.conflict | self.culprits.of_flaw(frame.flaw), leave=frame):
                     return False
                 continue
-            if self.outcome.steps >= self.max_steps or perf_counter() > self.deadline:
+            if self.spent():
                 return False
             self.outcome.steps += 1
             spoilt_by = self.attempt(decision, len(self.stack) - 1)
@@ -122,7 +82,7 @@ class _Search:
             self.outcome.backtracks += 1
             return culprits
 
-    def jump(self, conflict: set[int], leave: _Frame | None = None) -> bool:
+    def jump(self, conflict: set[int], leave: Frame | None = None) -> bool:
         """Go back to the newest place in the conflict, undoing its decision; False when there is none: no solution."""
         if leave is not None:
             conflict = conflict - {len(self.stack) - 1}

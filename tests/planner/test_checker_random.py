@@ -17,7 +17,7 @@ from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan, PlanConstraint, PlanToken
 from planner.planning import plan as make_plan
 from planner.problem import Goal, Problem, TokenPattern
-from planner.search.chronological import Limits
+from planner.search.outcome import Limits
 
 BOUNDED = settings(
     max_examples=150,

@@ -15,7 +15,7 @@ from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan, PlanToken
 from planner.planning import plan
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
-from planner.search.chronological import Limits
+from planner.search.outcome import Limits
 from tests.planner.domains_small import camera_model, rover_model
 
 

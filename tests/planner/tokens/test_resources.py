@@ -16,7 +16,7 @@ from planner.model.manager import ModelManager
 from planner.plan import ORIGIN, Bounds
 from planner.planning import plan
 from planner.problem import Goal, Problem, TokenPattern
-from planner.search.chronological import Limits
+from planner.search.outcome import Limits
 from planner.tokens.resources import Clash, Resource
 
 HORIZON = (0, 7)

@@ -13,8 +13,9 @@ from planner.language.builder import ModelBuilder, RuleBuilder
 from planner.model.manager import ModelManager
 from planner.model.rules import Constant, Guard, Ref, Relate, Require, Rule, Statement, Subgoal
 from planner.problem import TokenPattern
-from planner.search.chronological import Limits, search
+from planner.search.chronological import search
 from planner.search.decisions import Codesignate, Insert
+from planner.search.outcome import Limits
 from planner.tokens.token import Token, TokenState
 
 

@@ -1,0 +1,76 @@
+"""What depth-first engines share: an explicit stack of flaws under resolution, going forward, and the limits."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from time import perf_counter
+
+from planner.database import PlanDatabase
+from planner.search.decisions import Decision
+from planner.search.flaws import Flaw, next_flaw
+from planner.search.outcome import Acceptance, Description, Limits, Outcome
+
+
+@dataclass(slots=True)
+class Frame:
+    """A flaw under resolution at a level of the trail, and its decisions not yet tried.
+
+    `conflict`: the places on the stack of the decisions that spoilt those tried so far, for engines that want to know.
+    """
+
+    flaw: Flaw
+    decisions: Iterator[Decision]
+    depth: int
+    conflict: set[int] = field(default_factory=set)
+
+
+class DepthFirst(ABC):
+    """A depth-first search; its engine says how to go back."""
+
+    def __init__(
+        self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
+    ) -> None:
+        self.database = database
+        self.max_steps = limits.max_steps
+        self.deadline = perf_counter() + limits.max_seconds
+        self.accept = accept
+        self.describe = describe
+        self.outcome = Outcome()
+        self.stack: list[Frame] = []
+
+    @abstractmethod
+    def advance(self) -> bool:
+        """Take the next consistent decision, undoing as far as needed; False at the end of search or of limits."""
+
+    def refused(self) -> bool:
+        """A complete plan was refused; False when that ends the search."""
+        return True
+
+    def run(self) -> Outcome:
+        """Resolve flaw after flaw until there is none, or no way on. Without a plan the database is as before."""
+        bottom = self.database.trail.push()
+        while True:
+            found = next_flaw(self.database)
+            going_on = True
+            if found is None:
+                if self.accept is None or self.accept(self.database):
+                    self.outcome.complete = True
+                    return self.outcome
+                self.outcome.note(len(self.stack), lambda: "a complete plan was refused")
+                going_on = self.refused()
+            else:
+                flaw, decisions = found
+                if not decisions:
+                    self.outcome.note(len(self.stack), partial("nothing resolves {!r}".format, flaw))
+                self.stack.append(Frame(flaw, iter(decisions), self.database.trail.depth))
+            if not going_on or not self.advance():
+                self.outcome.exhausted = not self.stack
+                self.database.trail.pop_to(bottom)
+                return self.outcome
+
+    def spent(self) -> bool:
+        """Whether the limits are reached."""
+        return self.outcome.steps >= self.max_steps or perf_counter() > self.deadline
