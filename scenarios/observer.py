@@ -35,7 +35,6 @@ CHANNELS = (
     Channel("power.margin_W", "Power", "power (W)", label="margin"),
     Channel("battery.soc", "Power", "battery charge (0 to 1)", label="charge"),
     Channel("ips.thrust_N", "Power", "thrust (N)", label="thrust"),
-    Channel("micas.switch", "Power", "camera switch", state=True),
 )
 
 

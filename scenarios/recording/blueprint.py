@@ -108,8 +108,10 @@ class Layout:
     def _power(self, panels: Sequence[Panel], lanes: Sequence[str]) -> list[Any]:
         views, shares = self._panel_views("Power", panels)
         if lanes:
+            height = len(lanes) * _LANE_HEIGHT + 60
+            left = (_VIEWS_HEIGHT - height) / max(1.0, sum(shares))
             views.append(self._lanes("Engine and power, planned earliest / executed / planned latest", lanes))
-            shares.append((len(lanes) * _LANE_HEIGHT + 60) / 250)
+            shares = [*(share * left for share in shares), height]
         return [rrb.Vertical(*views, row_shares=shares, name="Power")] if views else []
 
     def _camera(self, scene: Scene, lanes: Sequence[str]) -> Any:

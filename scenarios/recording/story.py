@@ -61,9 +61,16 @@ def _requested(entry: Entry) -> tuple[str, str]:
     return "INFO", f"plan requested{_because(entry)}{attempt}{budget}"
 
 
+def _answered(entry: Entry) -> tuple[str, str]:
+    """The planner's answer in a line: the plan itself is in its own file."""
+    found = "a plan" if entry.get("content") else f"no plan{_because(entry)}"
+    return "DEBUG", f"the planner answers with {found}, charged {entry.get('charged')} s"
+
+
 def _detected(entry: Entry) -> tuple[str, str]:
     name = entry.get("name") or entry.get("monitor") or "fault"
-    diagnosis = f": {entry['diagnosis']}" if entry.get("diagnosis") else ""
+    told = entry.get("text") or entry.get("diagnosis")
+    diagnosis = f": {told}" if told else ""
     return "ERROR", f"fault detected: {name}{diagnosis}"
 
 
@@ -72,9 +79,11 @@ _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
     "run.finished": lambda e: ("INFO" if e.get("outcome") == "completed" else "WARN", f"run ended: {e.get('outcome')}"),
     "plan.requested": _requested,
     "plan.adopted": _adopted,
+    "plan.answered": _answered,
     "plan.failed": lambda e: ("ERROR", f"no plan found{_because(e)}"),
     "goal": _goal,
     "token.started": lambda e: ("DEBUG", f"started: {_token(e)}"),
+    "token.confirmed": lambda e: ("DEBUG", f"start confirmed: {_token(e)}"),
     "token.finished": _finished,
     "token.failed": lambda e: ("ERROR", f"failed: {_token(e)}{_because(e)}"),
     "token.aborted": lambda e: ("WARN", f"called off: {_token(e)}{_because(e)}"),
@@ -83,7 +92,7 @@ _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
         f"command {e.get('id')}: {e.get('name')}({_short(e.get('arguments') or {})}) for {e.get('token')}",
     ),
     "command.acknowledged": _acknowledged,
-    "command.timeout": lambda e: ("WARN", f"command {e.get('id')} was not answered in time"),
+    "command.timeout": lambda e: ("WARN", f"command {e.get('id')} had no effect in time"),
     "violation": lambda e: ("WARN", f"violation, {e.get('kind')}: {_short(e.get('detail'))}"),
     "standby.entered": lambda e: ("WARN", f"standby{_because(e)}"),
     "standby.left": lambda e: ("INFO", "standby left"),

@@ -299,3 +299,20 @@ def test_funnels_are_of_goals_that_are_still_open() -> None:
 @given(st.text("ab /\\[](){}#:;,.-_é☉\n", max_size=12))
 def test_entity_names_are_path_parts_without_escapes(name: str) -> None:
     assert re.fullmatch(r"[A-Za-z0-9_.-]+", entity(name))
+
+
+def test_what_the_planner_answers_and_what_is_confirmed_are_lines_not_data() -> None:
+    answer = {"t": 1, "event": "plan.answered", "content": {"tokens": [1] * 500}, "charged": 685, "steps": 9}
+    assert line(answer) == ("DEBUG", "00:00:01  the planner answers with a plan, charged 685 s")
+    assert line(answer | {"content": None, "reason": "too late"}) == (
+        "DEBUG",
+        "00:00:01  the planner answers with no plan: too late, charged 685 s",
+    )
+    detected = {
+        "t": 2,
+        "event": "fault.detected",
+        "monitor": "switch",
+        "diagnosis": "switch stuck",
+        "text": "it sticks",
+    }
+    assert line(detected) == ("ERROR", "00:00:02  fault detected: switch: it sticks")

@@ -15,7 +15,6 @@ from planner.language.nddl.symbols import PredicateKey, Symbols
 from planner.model.rules import Ref
 
 TIMES = ("start", "end", "duration")
-STATES = ("INACTIVE", "ACTIVE", "MERGED", "REJECTED")
 
 
 @dataclass(frozen=True, slots=True)
