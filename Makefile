@@ -27,9 +27,8 @@ lint: set-up-dev
 	$(BIN)/lint-imports
 	$(BIN)/codespell
 
-bench: set-up-dev
-	@set -eu; for file in tests/benchmarks/bench_*.py; do \
-	  name=$${file##*/}; echo "$$name"; $(BIN)/python -m "tests.benchmarks.$${name%.py}"; done
+bench: set-up
+	$(BIN)/remote-agent bench
 
 set-up:
 	@PYTHON='$(PYTHON)' sh scripts/set_up run

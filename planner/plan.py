@@ -155,8 +155,14 @@ class FlexiblePlan:
         )
 
     def save(self, path: Path) -> None:
-        """Write the plan file."""
-        path.write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        """Write the plan file: whole or, when broken off, not at all. OSError when it cannot be written."""
+        part = path.with_name(f"{path.name}.part")
+        try:
+            part.write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+            part.replace(path)
+        except OSError:
+            part.unlink(missing_ok=True)
+            raise
 
     @classmethod
     def load(cls, path: Path) -> FlexiblePlan:

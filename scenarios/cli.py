@@ -260,6 +260,33 @@ def review_run(
             print(line)
 
 
+@app.command("bench")
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Which: planner, temporal, executive, sim, run; without any, all.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """The project's own benchmarks, ratios beside the figures; each takes up to some minutes."""
+    from planner.errors import nearest
+    from scenarios.benchmarks.registry import BENCHMARKS
+    from scenarios.benchmarks.table import lines
+    from scenarios.errors import ScenarioError
+
+    chosen = names or list(BENCHMARKS)
+    for name in chosen:
+        if name not in BENCHMARKS:
+            raise ScenarioError(
+                f"bench: expected one of {', '.join(BENCHMARKS)}, found {name!r}{nearest(name, BENCHMARKS)}"
+            )
+    for name in chosen:
+        figures = BENCHMARKS[name].measure()
+        if as_json:
+            print(json.dumps(figures if len(chosen) == 1 else {"benchmark": name, **figures}), flush=True)
+        else:
+            print("\n".join([f"{name}: {BENCHMARKS[name].summary}", *lines(figures, "  ")]), flush=True)
+
+
 @app.command("doctor")
 def examine_machine(as_json: AsJson = False) -> None:
     """What this machine has of what a run needs, and the package to install for what is missing."""

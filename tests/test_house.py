@@ -28,7 +28,6 @@ MAX_LINES = 400
 LONG_FILES = {
     "planner/temporal/kernel_python.py": "compiled as one unit, with the data layout that all of it shares",
     "planner/temporal/_controllability_kernel.py": "compiled as one unit, twin of the plain Python one",
-    "tests/executive/scripted.py": "the scripted plant of all tests of the executive, with its small domain",
     "tests/executive/test_executive.py": "one scripted plant, one behaviour a test",
     "tests/executive/test_succession.py": "golden transcripts: most of it is what they say",
     "tests/planner/test_checker.py": "one mutation of a valid plan a case, each with the violation that it must give",
@@ -47,7 +46,7 @@ def files_of(*folders: str) -> Iterator[Path]:
     for folder in folders:
         for place, inner, names in os.walk(ROOT / folder):
             inner[:] = sorted(d for d in inner if d not in MADE and not d.endswith(("_cache", ".egg-info")))
-            for name in sorted(names):
+            for name in sorted(set(names) - MADE):  # .git is a file in a work tree beside the first
                 yield Path(place, name)
 
 

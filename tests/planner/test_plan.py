@@ -189,6 +189,23 @@ def test_files_that_are_no_plan(tmp_path: Path, data: bytes, message: str) -> No
         FlexiblePlan.load(path)
 
 
+def test_a_plan_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "plan.json"
+    FlexiblePlan.from_json(example()).save(target)
+    before = target.read_bytes()
+    written = Path.write_text
+
+    def disk_full(path: Path, text: str, encoding: str) -> int:
+        written(path, text[:40], encoding=encoding)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", disk_full)
+    with pytest.raises(OSError, match="No space"):
+        FlexiblePlan.from_json(example()).save(target)
+    assert target.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [target]
+
+
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(PlanFormatError, match=r"missing.json: No such file or directory"):
         FlexiblePlan.load(tmp_path / "missing.json")

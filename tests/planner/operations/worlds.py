@@ -11,6 +11,7 @@ from planner.domains import Interval
 from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
 from planner.problem import TokenPattern
+from scenarios.benchmarks.problems import altern_model
 from tests.planner.domains_small import camera_model, rover_model
 
 
@@ -42,24 +43,6 @@ def rovers() -> PlanDatabase:
     database.state(TokenPattern("Rover.drive", "rover2"), "drive", "rejectable")
     database.network.propagate()
     return database
-
-
-def altern_model() -> ModelManager:
-    """A rover that is at a place, goes, and is at another."""
-    builder = ModelBuilder("altern", STANDARD)
-    place = builder.enumeration("Place", ["Hill", "Rock", "Lander"])
-    rover = builder.timeline("Rover")
-    at = rover.predicate("At", {"place": place}, duration=(1, 1))
-    going = rover.predicate("Going", {"from_": place, "to_": place}, duration=(1, 1))
-    with at.requires() as this:
-        this.meets(going, from_=this.place)
-        this.met_by(going, to_=this.place)
-    with going.requires() as this:
-        this.require(this.from_ != this.to_)
-        this.met_by(at, place=this.from_)
-        this.meets(at, place=this.to_)
-    builder.object("rover", "Rover")
-    return builder.finish()
 
 
 def altern() -> PlanDatabase:

@@ -9,7 +9,7 @@ import pytest
 
 from planner.temporal.kernel import load_kernel
 from planner.temporal.network import INFINITY, TemporalNetworkManager
-from tests.benchmarks.bench_temporal import build, call_by_call, one_call
+from scenarios.benchmarks.temporal import build, call_by_call, one_call
 
 
 @pytest.fixture(params=[True, False], ids=["compiled", "plain"])

@@ -1,4 +1,4 @@
-"""Speed of the simulator against the same physics without Python: `python -m tests.benchmarks.bench_sim`.
+"""Speed of the simulator against the same physics without Python.
 
 The flight has everything on: attitude control, sensors, filter, power, engine, camera and radio. It is flown slewing
 all the time or holding one attitude, and either as an executive flies it, with one `advance` and one `telemetry` a
@@ -10,8 +10,6 @@ by slice, and the best of some repeats of each slice counts, so that what else t
 from __future__ import annotations
 
 import gc
-import json
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -69,7 +67,7 @@ def _timed(run: Callable[[], None]) -> float:
     return time.perf_counter() - begin
 
 
-def measure(flight: Flight = FLIGHTS[0], *, slices: int = SLICES, repeats: int = REPEATS) -> dict[str, float]:
+def fly(flight: Flight = FLIGHTS[0], *, slices: int = SLICES, repeats: int = REPEATS) -> dict[str, float]:
     """Simulated seconds a second of flight and of bare physics, and their ratio."""
     flown = [float("inf")] * slices
     bare = [float("inf")] * slices
@@ -110,22 +108,10 @@ def _bare(craft: Spacecraft) -> tuple[mujoco.MjData, mujoco.MjModel, int]:
 
 def rows(repeats: int = REPEATS) -> list[dict[str, float | str]]:
     """One row a way of flying."""
-    return [{"flight": flight.name, **measure(flight, repeats=repeats)} for flight in FLIGHTS]
+    return [{"flight": flight.name, **fly(flight, repeats=repeats)} for flight in FLIGHTS]
 
 
-def main() -> None:
-    """Print the table, or with `--json` one object: the first row's figures, and all rows."""
+def measure() -> dict[str, object]:
+    """All figures of this benchmark: those of the first way of flying, and a row for each."""
     table = rows()
-    if "--json" in sys.argv[1:]:
-        print(json.dumps({**table[0], "rows": table}))
-        return
-    print(f"{'flight':28} {'sim s / s':>10} {'limit':>10} {'ratio':>6}")
-    for row in table:
-        print(
-            f"{row['flight']:28} {row['sim_seconds_per_second']:10.0f} {row['limit_seconds_per_second']:10.0f}"
-            f" {row['ratio_to_limit']:6.2f}"
-        )
-
-
-if __name__ == "__main__":
-    main()
+    return {**table[0], "rows": table}

@@ -1,15 +1,12 @@
 """How fast the executive is: the controllability check, a dispatch decision, and the dispatcher's share of a run.
 
-Run as `python -m tests.benchmarks.bench_executive`; `measure` returns the figures that are printed. Plans and networks
-are from fixed seeds. A run is flown with the spacecraft's physics, since that is what its wall time is spent on; it is
-also flown without, where only the executive's own work is left to compare with.
+Plans and networks are from fixed seeds. A run is flown with the spacecraft's physics, since that is what its wall time
+is spent on; it is also flown without, where only the executive's own work is left to compare with.
 """
 
 from __future__ import annotations
 
-import argparse
 import io
-import json
 import random
 import time
 from collections.abc import Mapping
@@ -29,9 +26,9 @@ from planner.plan import FlexiblePlan
 from planner.problem import PlanningResult
 from planner.temporal.controllability import check
 from planner.temporal.stnu import Stnu
+from scenarios.benchmarks.draft import Draft
+from scenarios.benchmarks.stnu import best_ms, decision_us, lanes, tick_rows
 from sim import Spacecraft, SpacecraftConfig
-from tests.benchmarks.bench_stnu import best_ms, decision_us, lanes
-from tests.executive.scripted import Draft
 
 LANES, TOKENS_A_LANE = 25, 20
 # All that happens but the origin, the begun tokens' starts, and the ends of the lanes' last tokens if they go on.
@@ -48,7 +45,7 @@ class Workshop:
         self._durations = durations
         self._spacecraft = spacecraft
         self._ends: dict[int, list[str]] = {}
-        self._changes: dict[str, TelemetryValue] = {f"busy.{name}": False for name in durations} | {"safe": True}
+        self._changes: dict[str, TelemetryValue] = {"safe": True, **{f"busy.{name}": False for name in durations}}
         self._now = self._begun = 0
 
     def send(self, command: Command) -> None:
@@ -161,7 +158,7 @@ def run_figures() -> dict[str, object]:
 def measure() -> dict[str, object]:
     """All figures. Times in milliseconds and microseconds, as the names say; networks of 160 and 1000 timepoints."""
     small, large = lanes(161, 80), lanes(1001, 100)
-    rows = [tuple(link) for link in small.links]
+    rows = tick_rows(small)
     check(small)  # compiled code is loaded at the first call
     prepare()
     decisions, events = decision_us(large)
@@ -178,8 +175,3 @@ def measure() -> dict[str, object]:
         "run_of_500_tokens": run_figures(),
         "dispatcher_share_limit_percent": 1,
     }
-
-
-if __name__ == "__main__":
-    argparse.ArgumentParser(description=__doc__).parse_args()
-    print(json.dumps(measure(), indent=2))

@@ -1,4 +1,4 @@
-"""What it costs to undo one operation of a plan: `python -m tests.benchmarks.bench_operations [tokens ...]`.
+"""What it costs to undo one operation of a plan.
 
 Two plans of so many tokens. `altern`: a rover that is at places and goes between them, every token asked for by the one
 before: found by the search's own choice of flaws, its decisions issued as operations. `shows`: independent goals on one
@@ -11,22 +11,21 @@ with it: an insertion in `altern` takes along whatever it supports. `each_ratio`
 
 from __future__ import annotations
 
-import json
 import statistics
-import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
+from planner.domains import Values
 from planner.language.builder import ModelBuilder
 from planner.operations import Operation, Operations
 from planner.problem import TokenPattern
 from planner.search.collector import patient_collector
 from planner.search.decisions import Assign, Codesignate, Decision, Insert
 from planner.search.flaws import next_flaw
-from tests.planner.operations.worlds import altern_model
+from scenarios.benchmarks.problems import altern_model
 
 SAMPLES, REPLAYS = 40, 2
 
@@ -76,10 +75,9 @@ def shows(tokens: int) -> Operations:
     for number in range(tokens):
         operations.insert(f"show{number}", "line", number)
         operations.codesignate(f"show{number}/on0", "lit")
-        operations.restrict(
-            database.tokens.by_name[f"show{number}"].parameters["colour"],
-            database.tokens.by_name[f"show{number}"].parameters["colour"].domain.keep(["red"]),
-        )
+        colours = database.tokens.by_name[f"show{number}"].parameters["colour"]
+        assert isinstance(colours.domain, Values)
+        operations.restrict(colours, colours.domain.keep(["red"]))
     return operations
 
 
@@ -122,25 +120,24 @@ def timed_us(operations: Operations, operation: Operation) -> float:
     return 1e6 * (time.perf_counter() - started)
 
 
-def main(sizes: list[int]) -> None:
-    """Print a line of JSON for each plan, size and kind."""
+def measure(sizes: tuple[int, ...] = (300, 1000)) -> dict[str, object]:
+    """All figures of this benchmark: a row for each plan, size and kind of operation."""
     with patient_collector():
         altern(30)
-        for make in (altern, shows):
-            for tokens in sizes:
-                started = time.perf_counter()
-                operations = make(tokens)
-                built_s = time.perf_counter() - started
-                kinds = {kind: len(found) for kind, found in by_kind(operations).items()}
-                for kind, newest in in_order_us(operations).items():
-                    in_place, gone = middle(make, tokens, kind, replay=False)
-                    row = {"plan": make.__name__, "tokens": tokens, "built_s": round(built_s, 2), "kind": kind}
-                    row |= {"count": kinds[kind], "in_order_us": round(newest, 1), "in_place_us": round(in_place, 1)}
-                    row |= {"ratio": round(in_place / newest, 1), "gone": round(gone, 1)}
-                    row["each_ratio"] = round(in_place / newest / gone, 1)
-                    row["replay_us"] = round(middle(make, tokens, kind, replay=True)[0], 1)
-                    print(json.dumps(row), flush=True)
+        return {"rows": [row for make in (altern, shows) for tokens in sizes for row in rows(make, tokens)]}
 
 
-if __name__ == "__main__":
-    main([int(size) for size in sys.argv[1:]] or [300, 1000])
+def rows(make: Callable[[int], Operations], tokens: int) -> Iterator[dict[str, object]]:
+    """One row a kind of operation."""
+    started = time.perf_counter()
+    operations = make(tokens)
+    built_s = time.perf_counter() - started
+    kinds = {kind: len(found) for kind, found in by_kind(operations).items()}
+    for kind, newest in in_order_us(operations).items():
+        in_place, gone = middle(make, tokens, kind, replay=False)
+        row: dict[str, object] = {"plan": make.__name__, "tokens": tokens, "built_s": round(built_s, 2), "kind": kind}
+        row |= {"count": kinds[kind], "in_order_us": round(newest, 1), "in_place_us": round(in_place, 1)}
+        row |= {"ratio": round(in_place / newest, 1), "gone": round(gone, 1)}
+        row["each_ratio"] = round(in_place / newest / gone, 1)
+        row["replay_us"] = round(middle(make, tokens, kind, replay=True)[0], 1)
+        yield row

@@ -1,13 +1,11 @@
 """How long the controllability check, building a network and a dispatch decision take.
 
-Run as `python -m tests.benchmarks.bench_stnu`. The networks are plan-like and controllable, from fixed seeds. Each
+The networks are plan-like and controllable, from fixed seeds. Each
 figure is the best of several runs, except the decisions: median and 99th percentile of all those of one execution.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import random
 import time
 from collections.abc import Callable
@@ -17,7 +15,7 @@ import numpy as np
 from executive.dispatcher import Dispatcher
 from planner.temporal import _controllability_python
 from planner.temporal.controllability import check, check_with
-from planner.temporal.stnu import Link, Stnu
+from planner.temporal.stnu import Bound, Link, Stnu, TickRow
 
 
 def lanes(timepoints: int, contingent: int, seed: int = 1) -> Stnu:
@@ -56,6 +54,15 @@ def _across(rng: random.Random, count: int, lane_count: int) -> Link:
     return Link(first, second, -rng.randint(30, 90), rng.randint(60, 200))
 
 
+def tick_rows(stnu: Stnu) -> list[TickRow]:
+    """The links of a network of whole ticks, as the rows that a caller without a file has."""
+    return [(link.from_, link.to, _ticks(link.min), _ticks(link.max), link.contingent) for link in stnu.links]
+
+
+def _ticks(bound: Bound) -> int | None:
+    return None if bound is None else int(bound)
+
+
 def best_ms(run: Callable[[], object], repeats: int = 5) -> float:
     """Milliseconds of the fastest of `repeats` runs."""
     times = []
@@ -79,10 +86,10 @@ def decision_us(stnu: Stnu, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
         decisions.append(time.perf_counter() - begin)
         first = min(ends, key=lambda node: ends[node]) if ends else None
         if first is not None and (decision is None or ends[first] <= decision.time):
-            now, happening = ends.pop(first), (first,)
+            now, happening = ends.pop(first), [first]
         else:
             assert decision is not None
-            now, happening = decision.time, decision.timepoints
+            now, happening = decision.time, list(decision.timepoints)
         for node in happening:
             begin = time.perf_counter()
             violation = dispatcher.happened(node, now)
@@ -97,7 +104,7 @@ def decision_us(stnu: Stnu, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
 def measure() -> dict[str, object]:
     """All figures of this benchmark."""
     small, large = lanes(161, 80), lanes(1001, 100)
-    rows = [tuple(link) for link in small.links]
+    rows = tick_rows(small)
     decisions, events = decision_us(large)
     network = check(large).network
     assert network is not None
@@ -118,8 +125,3 @@ def measure() -> dict[str, object]:
         "event_us_p50": float(np.percentile(events, 50)),
         "event_us_p99": float(np.percentile(events, 99)),
     }
-
-
-if __name__ == "__main__":
-    argparse.ArgumentParser(description=__doc__).parse_args()
-    print(json.dumps(measure(), indent=2))

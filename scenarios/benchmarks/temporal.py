@@ -1,4 +1,4 @@
-"""Speed of the temporal network manager on a plan-like network: `python -m tests.benchmarks.bench_temporal`.
+"""Speed of the temporal network manager on a plan-like network.
 
 Workload: timelines of 25 tokens (20 timelines at 1000 timepoints, 100 at 5000), durations and some successions bounded
 on both sides, and one-sided precedences between timelines until there are 4.2 one-sided edges a timepoint, initial
@@ -11,9 +11,7 @@ and through the ordinary interface, a call a step.
 from __future__ import annotations
 
 import gc
-import json
 import random
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -64,7 +62,7 @@ def build(timepoints: int, seed: int = 1, *, operations: int = OPERATIONS, compi
     starts: list[list[int]] = []
     for _ in range(max(1, timepoints // (2 * TOKENS_PER_TIMELINE))):
         clock = rng.randint(0, 200)
-        timeline = []
+        timeline: list[int] = []
         for _ in range(TOKENS_PER_TIMELINE):
             start, end = (network.add_timepoint(0, 100_000) for _ in range(2))
             length, gap = rng.randint(50, 150), rng.randint(0, 40)
@@ -179,22 +177,7 @@ def rows(sizes: tuple[int, ...] = (200, 1000, 5000)) -> list[dict[str, float]]:
     return table
 
 
-def main() -> None:
-    """Print the table, or with `--json` one object."""
+def measure() -> dict[str, object]:
+    """All figures of this benchmark: microseconds an operation by number of timepoints, and a row a size."""
     table = rows()
-    if "--json" in sys.argv[1:]:
-        print(
-            json.dumps({"us_per_op": {str(int(row["timepoints"])): row["us_per_op"] for row in table}, "rows": table})
-        )
-        return
-    print("timepoints  one call us  native us  ratio  call by call us  infeasible  bounds (writes) an operation")
-    for row in table:
-        print(
-            f"{row['timepoints']:10.0f} {row['us_per_op']:12.2f} {row['native_us']:10.2f}"
-            f" {row['ratio_to_native']:6.2f} {row['us_call_by_call']:16.2f} {row['infeasible']:11.1%}"
-            f" {row['bounds']:7.0f} ({row['writes']:.0f})"
-        )
-
-
-if __name__ == "__main__":
-    main()
+    return {"us_per_op": {str(int(row["timepoints"])): row["us_per_op"] for row in table}, "rows": table}
