@@ -7,7 +7,8 @@ configuration constraints, its own view of resources.
     structure.py             names, places, codesignation
     network.py, temporal.py  schedules, bounds, order, what is nature's
     expressions.py, requirements.py, witnesses.py, boundary.py, configuration.py, nature.py   configuration constraints
-    resources.py             capacity in every schedule
+    steps.py, transactions.py, uses.py   limits over time; what is taken and given
+    closure.py, levels.py, resources.py   levels, rates and sums in every schedule
     statement.py             the problem: horizon, state, facts, goals
 """
 
@@ -18,7 +19,6 @@ from collections.abc import Iterable, Iterator
 from planner.checker.configuration import check_configurations
 from planner.checker.nature import declared_duration
 from planner.checker.network import PlanNetwork, told
-from planner.checker.resources import check_resources
 from planner.checker.statement import Matches, check_goals, match_statements
 from planner.checker.structure import check_codesignation, check_names, check_places, check_tokens, slots_of
 from planner.checker.temporal import (
@@ -28,6 +28,7 @@ from planner.checker.temporal import (
     check_durations,
     check_order,
 )
+from planner.checker.uses import Choice, check_all_resources
 from planner.checker.view import Slot, View
 from planner.checker.violations import Kind, Violation
 from planner.domains import Interval
@@ -69,7 +70,10 @@ def check(
         found += [*unmatched, *check_goals(view, problem, names)]
     found += [*check_bounds(view), *check_durations(view), *check_order(view)]
     found += _check_nature(view, problem, matches)
-    found += [*_check_exogenous(view), *check_configurations(view), *check_resources(view)]
+    uses: list[Choice] = []
+    found += [*_check_exogenous(view), *check_configurations(view, uses)]
+    # What is used can be told where every rule is satisfied in some way.
+    found += check_all_resources(view, [choice for choice in uses if choice.ways])
     return tuple(found)
 
 

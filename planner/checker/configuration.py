@@ -15,11 +15,13 @@ from planner.checker.boundary import may_be_outside
 from planner.checker.expressions import Expressions, Path, Wanted
 from planner.checker.network import told
 from planner.checker.requirements import Link, Requirements
+from planner.checker.uses import Choice, choice_of, mentions_uses, transactions
 from planner.checker.view import Slot, View, closed
 from planner.checker.violations import Violation
 from planner.checker.witnesses import Witnesses
 from planner.domains import Domain, Interval, Values
 from planner.model.classes import ModelObject, objects_in
+from planner.model.resources import USES
 from planner.model.rules import ForEach, Guard, Local, OneOf, Relate, Require, Statement, Subgoal
 
 MOST_VALUES = 1000
@@ -29,13 +31,14 @@ MOST_VALUES = 1000
 @dataclass(frozen=True, slots=True)
 class _State:
     """Choices made so far. `outside`: subgoals without witness; `links`: distances that concern them. `open`: local
-    numbers without a value; `pending`: relations that are to hold once they have one."""
+    numbers without a value; `pending`: relations that are to hold once they have one. `uses`: what it uses."""
 
     names: Mapping[tuple[Path, str], Slot | Wanted | Domain]
     outside: tuple[Wanted, ...] = ()
     links: tuple[Link, ...] = ()
     open: tuple[tuple[Path, str], ...] = ()
     pending: tuple[tuple[Require, Path], ...] = ()
+    uses: tuple[tuple[Require, Path], ...] = ()
 
     def bound(self, path: Path, name: str, meaning: Slot | Wanted | Domain) -> _State:
         return replace(self, names={**self.names, (path, name): meaning})
@@ -44,19 +47,22 @@ class _State:
 _Todo = tuple[tuple[Statement, Path], ...]
 
 
-def check_configurations(view: View) -> Iterator[Violation]:
-    """Parameter constraints of all tokens, configuration constraints of those that are not facts."""
+def check_configurations(view: View, uses: list[Choice]) -> Iterator[Violation]:
+    """Parameter constraints of all tokens, configuration constraints of those that are not facts.
+
+    `uses`: takes for each constraint the ways to satisfy it, by what they use of resources.
+    """
     witnesses = Witnesses(view)
     for slot in view.slots.values():
         body = _Body(view, slot, witnesses)
-        if not body.satisfied(slot.predicate.body):
+        if not body.satisfied(slot.predicate.body, uses):
             text = f"{told(slot.host)} breaks a parameter constraint of its predicate: {body.obstacle}"
             yield Violation("parameter", text, slot.ids, (slot.object.name,))
         if slot.is_fact:
             continue
         for number, rule in enumerate(view.model.rules_for(slot.object.cls, slot.predicate.name)):
             body = _Body(view, slot, witnesses)
-            if not body.satisfied(rule.body):
+            if not body.satisfied(rule.body, uses):
                 label = rule.where or f"rule {number + 1} of {slot.predicate.full_name}"
                 text = f"{told(slot.host)} lacks support by {label}: {body.obstacle}"
                 yield Violation("configuration", text, slot.ids, (slot.object.name,))
@@ -74,18 +80,25 @@ class _Body:
         self.obstacle = "it cannot be satisfied"
         self._furthest = -1
 
-    def satisfied(self, statements: tuple[Statement, ...]) -> bool:
+    def satisfied(self, statements: tuple[Statement, ...], uses: list[Choice]) -> bool:
         """Whether some choice of witnesses, branches and values satisfies all statements."""
-        return self._solve(tuple((s, ()) for s in statements), _State({}), 0)
+        solutions = self._solutions(tuple((s, ()) for s in statements), _State({}), 0)
+        if not mentions_uses(statements):
+            return next(solutions, None) is not None
+        ways = (tuple(transactions(self.expressions, self.slot, found.uses, found.names)) for found in solutions)
+        choice = choice_of(ways)
+        uses.append(choice)
+        return bool(choice.ways)
 
-    def _solve(self, todo: _Todo, state: _State, depth: int) -> bool:
+    def _solutions(self, todo: _Todo, state: _State, depth: int) -> Iterator[_State]:
         if not todo:
-            return self._settled(state, depth)
+            settled = self._settled(state, depth)
+            if settled is not None:
+                yield settled
+            return
         (statement, path), rest = todo[0], todo[1:]
-        return any(
-            self._solve((*more, *rest), reached, depth + 1)
-            for more, reached in self._ways(statement, path, state, depth)
-        )
+        for more, reached in self._ways(statement, path, state, depth):
+            yield from self._solutions((*more, *rest), reached, depth + 1)
 
     def _ways(self, statement: Statement, path: Path, state: _State, depth: int) -> Iterator[tuple[_Todo, _State]]:
         """The ways to satisfy a statement: what it adds to do, and what has been chosen."""
@@ -142,7 +155,9 @@ class _Body:
 
     def _require(self, statement: Require, path: Path, state: _State, depth: int) -> Iterator[tuple[_Todo, _State]]:
         links = self.requirements.links(statement.procedure, statement.arguments, state.names, path)
-        if links is not None:
+        if statement.procedure == USES.name:
+            yield (), replace(state, uses=(*state.uses, (statement, path)))
+        elif links is not None:
             yield from self._linked(statement, links, state, depth)
         elif not self.requirements.holds(statement.procedure, statement.arguments, state.names, path):
             self._blocked(depth, f"{self._evaluated(statement, path, state)} does not hold")
@@ -191,37 +206,40 @@ class _Body:
         for branch in statement.branches:
             yield tuple((s, (*path, len(state.names))) for s in branch), state
 
-    def _settled(self, state: _State, depth: int) -> bool:
+    def _settled(self, state: _State, depth: int) -> _State | None:
         """At the end: numbers for the local variables, and a place outside for what has no witness."""
         if state.outside:
             network = self.view.network
             if not may_be_outside(network, self.view.plan.horizon, state.outside, state.links, ()):
                 names = ", ".join(w.predicate.full_name for w in state.outside)
                 self._blocked(depth, f"{names} must happen within the horizon, and the plan has none that fits")
-                return False
+                return None
         if not state.pending:
-            return True
-        if self._numbers(state, state.open):
-            return True
-        self._blocked(depth, f"no values of the local variables satisfy {_said(state.pending[0][0])}")
-        return False
+            return state
+        found = self._numbers(state, state.open)
+        if found is None:
+            self._blocked(depth, f"no values of the local variables satisfy {_said(state.pending[0][0])}")
+        return found
 
-    def _numbers(self, state: _State, left: tuple[tuple[Path, str], ...]) -> bool:
+    def _numbers(self, state: _State, left: tuple[tuple[Path, str], ...]) -> _State | None:
+        """Values for local numbers with which all that waited for them holds."""
         if not left:
-            return all(self.requirements.holds(r.procedure, r.arguments, state.names, p) for r, p in state.pending)
+            held = all(self.requirements.holds(r.procedure, r.arguments, state.names, p) for r, p in state.pending)
+            return state if held else None
         key = left[0]
         domain = self._narrowed(state, key)
         if domain is None or domain.is_empty:
-            return False
+            return None
         if isinstance(domain, Interval) and (not domain.integer or domain.size > MOST_VALUES):
             values = [v for v in (domain.lower, domain.upper, 0) if v in domain and abs(v) != float("inf")]
         else:
             values = list(domain.values())
         for value in values:
             whole = isinstance(domain, Interval) and domain.integer
-            if self._numbers(state.bound(*key, Interval(value, value, whole)), left[1:]):
-                return True
-        return False
+            found = self._numbers(state.bound(*key, Interval(value, value, whole)), left[1:])
+            if found is not None:
+                return found
+        return None
 
     def _narrowed(self, state: _State, key: tuple[Path, str]) -> Domain | None:
         """What the pending relations leave of a local number, as far as their procedures tell."""

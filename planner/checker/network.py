@@ -112,6 +112,10 @@ class PlanNetwork:
         known = min(self.out[a].get(b, INF), self.upper[b] - self.lower[a])
         return min(known, self._shortest(a, b, known))
 
+    def distances_from(self, a: int) -> list[float]:
+        """For every timepoint, how much later than a it may be at most, over all schedules."""
+        return _distances(self.out, self.potential, {a: 0.0})
+
     def stretched(self, a: int, b: int) -> list[float]:
         """The earliest schedule in which b is as long after a as any schedule lets it be."""
         latest = self.earliest[a] + min(self.distance(a, b), self.latest[b] - self.earliest[a])

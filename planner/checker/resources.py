@@ -1,106 +1,141 @@
-"""Reusable resources: no schedule that the plan allows uses more than there is.
+"""Resources: no schedule that the plan allows leaves the limits of a level, of a rate or of a sum.
 
-Tokens exceed a resource when their quantities together do and one schedule lets them all overlap. Looking at pairs is
-enough: if every pair of them overlaps in some schedule, all do in one. For all to overlap means `start_i < end_j` for
-all i and j. A negative cycle would alternate these edges, of weight -1, with paths from a start to an end, each of
-which is at least 1 because no such pair is entailed to be apart; so there is none. Pairs that no schedule lets overlap
-are sorted out first (by bounds, then by the network); then sets of tokens are searched, heaviest first.
+What `planner.model.resources` says of the members of resources, judged on the plan's network by `levels.py`. At a tick
+where several transactions meet only the level after all of them counts. A resource whose `profile` is grounded is
+judged on the schedule of earliest times alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 
-import numpy as np
-
-from planner.checker.network import PlanNetwork, told
-from planner.checker.view import Slot, View
+from planner.checker.levels import RESOLUTION, Event, Excess, Levels
+from planner.checker.steps import Steps, constant, steps_of
+from planner.checker.transactions import Flow, Transaction, transactions_of
+from planner.checker.view import View
 from planner.checker.violations import Violation
+from planner.model.classes import ModelObject
 
-MOST_SETS = 200_000
-"""How many sets of tokens are looked at before the judgement is given up, which is a violation of its own."""
-
-
-def check_resources(view: View) -> Iterator[Violation]:
-    """Every reusable resource is kept within its capacity in every schedule."""
-    users: dict[str, list[tuple[Slot, float]]] = {}
-    for slot in view.slots.values():
-        kind = view.model.kind_of(slot.predicate)
-        if kind == "reusable":
-            quantity = slot.values["quantity"]
-            users.setdefault(slot.object.name, []).append((slot, float(quantity.lower)))
-        elif kind == "reservoir":
-            text = f"{told(slot.host)} is a transaction on a reservoir, which this checker cannot judge"
-            yield Violation("resource", text, (slot.id,), (slot.object.name,))
-    for name, using in users.items():
-        members = view.model.object_named(name).members
-        available = float(members["capacity"]) - float(members.get("level_min", 0))
-        yield from _check(view.network, name, available, using)
+_DONE: dict[Flow, str] = {"uses": "taken", "produces": "produced", "consumes": "consumed"}
+MOST_NAMED = 8
+"""How many tokens a sentence names."""
 
 
-def _check(network: PlanNetwork, name: str, capacity: float, users: list[tuple[Slot, float]]) -> Iterator[Violation]:
-    users = sorted(((s, q) for s, q in users if q > 0 and _lasts(network, s)), key=lambda u: -u[1])
-    if sum(q for _, q in users) <= capacity:
-        return
-    search = _Search(network, capacity, users)
-    found = search.clash()
-    if search.sets > MOST_SETS:
-        text = f"{name}: not judged, more than {MOST_SETS} sets of tokens may overlap"
-        yield Violation("resource", text, objects=(name,))
-    elif found:
-        used = ", ".join(f"{told(s.host)} {q:g}" for s, q in found)
-        text = f"{name} has {capacity:g}, a schedule uses {sum(q for _, q in found):g} at once: {used}"
-        yield Violation("resource", text, tuple(s.id for s, _ in found), (name,))
+def check_resources(view: View, uses: Iterable[Transaction] = ()) -> Iterator[Violation]:
+    """Every resource is kept. `uses`: what configuration constraints use besides the tokens on resources."""
+    moved: dict[str, list[Transaction]] = {}
+    for transaction in (*transactions_of(view), *uses):
+        moved.setdefault(transaction.resource, []).append(transaction)
+    levels = Levels(view.network)
+    for name, transactions in moved.items():
+        yield from _Resource(view, levels, view.model.object_named(name), transactions).violations()
 
 
-def _lasts(network: PlanNetwork, slot: Slot) -> bool:
-    """Whether a use takes any time in some schedule."""
-    return not network.at_most(network.point(slot.id, "start"), network.point(slot.id, "end"), 0)
+class _Resource:
+    """The transactions on one object of a resource class."""
+
+    def __init__(self, view: View, levels: Levels, thing: ModelObject, transactions: Sequence[Transaction]) -> None:
+        self.model = view.model
+        self.levels = levels
+        self.thing = thing
+        self.transactions = transactions
+        self.grounded = thing.members.get("profile") == "grounded"
+
+    def violations(self) -> Iterator[Violation]:
+        """What its transactions break."""
+        if any(attribute.kind == "reservoir" for attribute in self.model.attributes_of(self.thing.cls).values()):
+            yield from self._reservoir()
+        else:
+            yield from self._reusable()
+
+    def _member(self, name: str, default: float | None = None) -> Steps:
+        return steps_of(self.model, self.thing, name, default)
+
+    def _reusable(self) -> Iterator[Violation]:
+        spare = self._member("capacity").minus(self._member("level_min", 0.0))
+        events = [
+            Event(point, 0, -t.quantity if opens else t.quantity, t, not opens)
+            for t in self.transactions
+            for point, opens in ((t.start, True), (t.end, False))
+        ]
+        found = self.levels.excess(events, -1, spare, self.grounded)
+        if found is not None:
+            using = _under_way(found)
+            text = f"has {spare.at(found.tick):g} {_at(found)}, a schedule uses {-found.total:g} at once"
+            yield self._violation(f"{self.thing} {text}", using)
+        yield from self._rate("uses", "consumption")
+
+    def _reservoir(self) -> Iterator[Violation]:
+        initial = self._member("initial").values[0]
+        events = [Event(t.start, 0, t.quantity if t.flow == "produces" else -t.quantity, t) for t in self.transactions]
+        bottom, top = self._member("level_min", 0.0), self._member("level_max", math.inf)
+        found = self.levels.excess(events, -1, constant(initial).minus(bottom), self.grounded)
+        if found is not None:
+            least = f"at least {bottom.at(found.tick):g} is required"
+            yield self._beyond(f"fall to {initial + found.total:g} {_at(found)}, {least}", found, events, -1)
+        # The room above a level without a bound has none either.
+        room = Steps(top.starts, tuple(value - initial for value in top.values))
+        found = self.levels.excess(events, 1, room, self.grounded)
+        if found is not None:
+            most = f"at most {top.at(found.tick):g} is allowed"
+            yield self._beyond(f"rise to {initial + found.total:g} {_at(found)}, {most}", found, events, 1)
+        flows: tuple[tuple[Flow, str], ...] = (("consumes", "consumption"), ("produces", "production"))
+        for flow, name in flows:
+            yield from self._rate(flow, name)
+            yield from self._sum(flow, name)
+
+    def _beyond(self, what: str, found: Excess, events: Sequence[Event], sign: int) -> Violation:
+        """A level too low or too high: what has happened by then, and what need not have yet."""
+        behind = [e.transaction for e in events if e in found.happened and e.step * sign > 0]
+        ahead = [e.transaction for e in events if e not in found.happened and e.step * sign < 0]
+        text = f"the level of {self.thing} may {what}"
+        told = [f"{when} {_listed(them)}" for when, them in (("after", behind), ("before", ahead)) if them]
+        return Violation("resource", f"{text}: {', '.join(told)}", _ids([*behind, *ahead]), (self.thing.name,))
+
+    def _rate(self, flow: Flow, name: str) -> Iterator[Violation]:
+        """What moves at one tick."""
+        most = self._member(f"{name}_rate_max", math.inf)
+        events = [
+            Event(t.start, offset, -t.quantity if offset else t.quantity, t, bool(offset))
+            for t in self.transactions
+            if t.flow == flow
+            for offset in (0, 1)
+        ]
+        found = self.levels.excess(events, 1, most, self.grounded)
+        if found is not None:
+            text = f"{found.total:g} may be {_DONE[flow]} {_at(found)}, at most {most.at(found.tick):g} is allowed"
+            yield self._violation(f"{self.thing}: {text} at one tick", _under_way(found))
+
+    def _sum(self, flow: Flow, name: str) -> Iterator[Violation]:
+        """What moves over the whole plan."""
+        most = self._member(f"{name}_max", math.inf).values[0]
+        moved = [t for t in self.transactions if t.flow == flow]
+        total = math.fsum(t.quantity for t in moved)
+        if total > most + RESOLUTION * max(1.0, abs(most)):
+            text = f"{total:g} is {_DONE[flow]} in all, at most {most:g} is allowed"
+            yield self._violation(f"{self.thing}: {text}", moved)
+
+    def _violation(self, text: str, blamed: Sequence[Transaction]) -> Violation:
+        return Violation("resource", f"{text}: {_listed(blamed)}", _ids(blamed), (self.thing.name,))
 
 
-class _Search:
-    """Branch and bound for a set of tokens that is too heavy and may be at one time. `sets`: how many were tried."""
+def _under_way(found: Excess) -> list[Transaction]:
+    """The transactions that have begun and not ended."""
+    ended = {id(e.transaction) for e in found.happened if e.closes}
+    begun = [e.transaction for e in found.happened if not e.closes and id(e.transaction) not in ended]
+    return sorted(begun, key=lambda t: (-t.quantity, t.slot.id))
 
-    def __init__(self, network: PlanNetwork, capacity: float, users: Sequence[tuple[Slot, float]]) -> None:
-        self.network = network
-        self.capacity = capacity
-        self.users = users
-        self.sets = 0
-        self.starts = [network.point(s.id, "start") for s, _ in users]
-        self.ends = [network.point(s.id, "end") for s, _ in users]
-        self.apart: dict[tuple[int, int], bool] = {}
-        upper, lower = np.array(network.upper), np.array(network.lower)
-        before = upper[self.ends][:, None] <= lower[self.starts][None, :]
-        self.near = ~(before | before.T)
 
-    def clash(self) -> list[tuple[Slot, float]]:
-        """A set of users beyond the capacity that some schedule lets overlap; empty when there is none."""
-        return [self.users[i] for i in self._extend([], 0.0, list(range(len(self.users))))]
+def _at(found: Excess) -> str:
+    return f"at tick {found.tick:g}" if abs(found.tick) < math.inf else "at some time"
 
-    def _extend(self, chosen: list[int], level: float, rest: list[int]) -> list[int]:
-        self.sets += 1
-        if self.sets > MOST_SETS:
-            return []
-        if level > self.capacity:
-            return chosen
-        available = sum(self.users[i][1] for i in rest)
-        for number, user in enumerate(rest):
-            if level + available <= self.capacity:
-                return []
-            quantity = self.users[user][1]
-            available -= quantity
-            beside = [i for i in rest[number + 1 :] if self._overlap(user, i)]
-            found = self._extend([*chosen, user], level + quantity, beside)
-            if found:
-                return found
-        return []
 
-    def _overlap(self, a: int, b: int) -> bool:
-        """Whether some schedule lets two users overlap."""
-        if not self.near[a, b]:
-            return False
-        key = (min(a, b), max(a, b))
-        if key not in self.apart:
-            at_most, starts, ends = self.network.at_most, self.starts, self.ends
-            self.apart[key] = at_most(starts[b], ends[a], 0) or at_most(starts[a], ends[b], 0)
-        return not self.apart[key]
+def _listed(transactions: Sequence[Transaction]) -> str:
+    named = [str(t) for t in transactions[:MOST_NAMED]]
+    more = [f"{len(transactions) - MOST_NAMED} more"] if len(transactions) > MOST_NAMED else []
+    return ", ".join([*named, *more])
+
+
+def _ids(transactions: Iterable[Transaction]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(t.slot.id for t in transactions))

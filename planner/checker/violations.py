@@ -16,7 +16,7 @@ Kind = Literal[
     "order",  # tokens of one timeline may overlap
     "configuration",  # a configuration constraint is not satisfied
     "exogenous",  # a value that no plan brings about, and that the problem does not state
-    "resource",  # more than there is may be used at once
+    "resource",  # a level, rate or sum beyond its limits in some schedule
     "horizon",  # the plan's horizon is not the problem's
     "state",  # the problem's state and facts are not what the plan starts from
     "goal",  # a goal is missing, or not as the problem asks for it
