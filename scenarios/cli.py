@@ -29,6 +29,11 @@ stnu_app = typer.Typer(
 )
 app.add_typer(stnu_app, name="stnu")
 
+Includes = Annotated[list[Path] | None, typer.Option("-I", "--include", help="Look here for included files.")]
+Procedures = Annotated[
+    list[str] | None,
+    typer.Option(metavar="FILE.py|MODULE", help="Constraint procedures of the model's own; can be repeated."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output and nothing else there.")]
 
 
@@ -171,7 +176,8 @@ def plan_problem(
     horizon: Annotated[
         tuple[int, int] | None, typer.Option(metavar="START END", help="Instead of the file's own.")
     ] = None,
-    include: Annotated[list[Path] | None, typer.Option("-I", "--include", help="Look here for included files.")] = None,
+    include: Includes = None,
+    procedures: Procedures = None,
     out: Annotated[Path | None, typer.Option(help="Write the plan file here.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -186,6 +192,7 @@ def plan_problem(
         max_seconds=max_seconds,
         max_steps=max_steps,
         include=include or (),
+        procedures=procedures or (),
     )
     if out is not None and answer.plan is not None:
         try:
@@ -207,6 +214,8 @@ def plan_problem(
 def check_plan(
     plan: Annotated[Path, typer.Argument(help="A plan file.")],
     problem: Annotated[str, typer.Argument(help="What the plan is for: a scenario's name, a .toml or an .nddl file.")],
+    include: Includes = None,
+    procedures: Procedures = None,
     as_json: AsJson = False,
 ) -> None:
     """Judge a plan independently of the planner: every violated requirement by name."""
@@ -216,7 +225,7 @@ def check_plan(
 
     judged = FlexiblePlan.load(plan)
     if problem.endswith(".nddl"):
-        violations = violations_against(judged, Path(problem))
+        violations = violations_against(judged, Path(problem), include or (), procedures or ())
     else:
         violations = violations_of(judged, load(problem))
     if as_json:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from planner.domains import Interval
-from planner.errors import ModelError, nearest
+from planner.errors import ModelError, PlannerError, nearest
 from planner.model.classes import Predicate
 from planner.model.manager import ModelManager
 from scenarios.errors import ScenarioError
@@ -34,7 +34,7 @@ def model_of(scenario: Scenario, where: str) -> ModelManager:
 
     try:
         return build_model(capability_of(scenario.spacecraft_config()))
-    except (ModelError, ArithmeticError, ValueError) as error:
+    except (PlannerError, ArithmeticError, ValueError) as error:
         raise ScenarioError(f"{where}: spacecraft: no domain model can be made for it: {error}") from error
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from planner.checker import Violation, check
-from planner.constraints.standard import STANDARD
+from planner.constraints.user import registry_with
 from planner.language.nddl.builder import load
 from planner.plan import FlexiblePlan, PlanToken
 from planner.problem import Problem, TokenPattern
@@ -28,9 +29,11 @@ def violations_of(plan: FlexiblePlan, scenario: Scenario) -> tuple[Violation, ..
     return check(plan, model_of(scenario, scenario.name), problem, dropped)
 
 
-def violations_against(plan: FlexiblePlan, model_file: Path) -> tuple[Violation, ...]:
+def violations_against(
+    plan: FlexiblePlan, model_file: Path, include: Sequence[Path] = (), procedures: Sequence[str] = ()
+) -> tuple[Violation, ...]:
     """Every requirement of an NDDL model that the plan breaks; what its problem states is taken from the plan."""
-    model, _, _ = load(model_file, STANDARD, ())
+    model, _, _ = load(model_file, registry_with(procedures), include)
     return check(plan, model)
 
 

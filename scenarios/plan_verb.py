@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any, Literal
 
 from planner.constraints.network import Inconsistency, Owner
-from planner.constraints.standard import STANDARD
+from planner.constraints.user import registry_with
 from planner.database import PlanDatabase
 from planner.errors import ModelError, ProblemError, nearest
 from planner.extraction import extract
@@ -88,18 +88,21 @@ def plan_file(
     max_seconds: float = 60.0,
     max_steps: int | None = None,
     include: Sequence[Path] = (),
+    procedures: Sequence[str] = (),
 ) -> PlanAnswer:
-    """Plan the problem of an NDDL file.
+    """Plan the problem of an NDDL file. `procedures`: files and modules of its own constraint procedures.
 
     NddlError (bad input, with file, line and column of all that is wrong) for a text that is no model; UnsupportedError
-    where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be.
+    where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be;
+    ModelError for a procedure that fails.
     """
     if engine not in ENGINES:
         raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
+    registry = registry_with(procedures)
     _load_kernel()
     with patient_collector():
         started = perf_counter()
-        model, program, report = load(path, STANDARD, include)
+        model, program, report = load(path, registry, include)
         span = horizon or program.horizon or DEFAULT_HORIZON
         if span[0] >= span[1]:
             raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")

@@ -24,6 +24,19 @@ error can say what a modeller would want to know, and reading goes on after it.
 
 Extensions of the language, beside the paper's relations and their bounds (`before[10 20](camera.ready r);`):
 
-- `contingent duration = [5 9];` in a predicate: nature decides the duration within these bounds.
+- `contingent duration = [5 9];` in a predicate: nature decides the duration within these bounds. A plan never chooses
+  or shortens it, and is good only if it can be kept whatever nature chooses.
 - `exogenous predicate p {...}`: no plan brings it about; it is where the problem's facts say, and nowhere else.
+- `attribute mode { predicate p {...} ... }` in a class: a timeline `object.mode` for these predicates, so that one
+  object may have several. Rules name the predicates as ever: `Camera::off`, `meets(camera.off o)`.
+- `either {...} or {...}` in a rule or a problem: at least one of the branches holds; the search tries the first one
+  first. The idiom with a `bool` and two guards says the same, with a variable that is decided like any other.
+- A global variable that is declared with a number (`int WARM_UP = 300;`) may be a bound: `contingent duration =
+  [WARM_UP WARM_UP_MAX];`, `before[0 WARM_UP](...)`. A rule sees the number, not a variable.
+- A model's own constraint procedures: Python callables (planner/constraints/user.py), by `--procedures FILE.py` or in
+  the registry that `load` takes. `headers` are texts for files that a model includes: how a program hands it numbers.
+
+    model, _, _ = load_text(text, STANDARD.with_procedures(turn_duration), headers={"capability.nddl": "int N = 3;"})
+
+scenarios/ds1/domain.nddl uses all of them.
 """

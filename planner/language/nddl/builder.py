@@ -7,7 +7,7 @@ until `close()`, so nothing that a token can see depends on the order.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from planner.language.nddl.syntax import (
     Statement,
     Typedef,
 )
+from planner.language.nddl.values import is_number
 from planner.model.manager import ModelManager
 
 
@@ -105,6 +106,8 @@ def _declaration(node: Declaration, builder: ModelBuilder, objects: Objects) -> 
             value = objects.literals.value(variable.value)
             if value is not None:
                 objects.variables[variable.name] = value
+                if is_number(value):
+                    builder.symbols.constants[variable.name] = value
 
 
 def _assignment(node: Assignment, builder: ModelBuilder, objects: Objects) -> None:
@@ -141,20 +144,31 @@ def _is_finite(value: object) -> bool:
 
 
 def load(
-    path: Path, procedures: ProcedureRegistry, include: Sequence[Path] = ()
+    path: Path,
+    procedures: ProcedureRegistry,
+    include: Sequence[Path] = (),
+    headers: Mapping[str, str] | None = None,
 ) -> tuple[ModelManager, Program, Report]:
-    """The model and the problem of a file; NddlError with all that is wrong with it."""
+    """The model and the problem of a file; NddlError with all that is wrong with it.
+
+    `procedures`: the constraints that rules may name. `headers`: texts of files that it may include, by name.
+    """
     report = Report()
-    loader = Loader(report, include)
+    loader = Loader(report, include, headers)
     model, program = build(path.stem, loader.file(path), procedures, report, loader.texts)
     return model, program, report
 
 
 def load_text(
-    text: str, procedures: ProcedureRegistry, name: str = "<text>", folder: Path = Path()
+    text: str,
+    procedures: ProcedureRegistry,
+    name: str = "<text>",
+    folder: Path = Path(),
+    headers: Mapping[str, str] | None = None,
+    model_name: str | None = None,
 ) -> tuple[ModelManager, Program, Report]:
-    """The model and the problem of a text; includes are looked for in the folder."""
+    """The model and the problem of a text; includes are looked for among the headers, then in the folder."""
     report = Report()
-    loader = Loader(report)
-    model, program = build(name, loader.text(text, name, folder), procedures, report, loader.texts)
+    loader = Loader(report, headers=headers)
+    model, program = build(model_name or name, loader.text(text, name, folder), procedures, report, loader.texts)
     return model, program, report

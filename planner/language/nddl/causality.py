@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from planner.language.nddl.errors import NOWHERE, Position
 from planner.language.nddl.scope import Scope
 from planner.language.nddl.symbols import PredicateKey, Symbols
-from planner.language.nddl.syntax import ForEach, If, Relation, RuleDefinition, Statement
+from planner.language.nddl.syntax import Either, ForEach, If, Relation, RuleDefinition, Statement
 from planner.model.rules import OneOf, Ref, Require, Rule, Subgoal
 
 _INVERSES = (
@@ -78,5 +78,7 @@ def _relations(statements: Sequence[Statement]) -> Iterator[Relation]:
             yield statement
         elif isinstance(statement, If):
             yield from _relations((*statement.then, *statement.otherwise))
+        elif isinstance(statement, Either):
+            yield from _relations([one for branch in statement.branches for one in branch])
         elif isinstance(statement, ForEach):
             yield from _relations(statement.body)

@@ -65,7 +65,8 @@ def _bounds(operator: str, low: float, high: float) -> Bounds | None:
 def _sum(node: Expression, timepoint: Timepoint, number: Number) -> _Sum | None:
     if isinstance(node, Name):
         ref = timepoint(node)
-        return _Sum((ref,), (), (0, 0)) if ref is not None else None
+        if ref is not None:
+            return _Sum((ref,), (), (0, 0))
     bounds = number(node)
     if bounds is not None:
         return _Sum((), (), bounds)

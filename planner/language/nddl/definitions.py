@@ -9,6 +9,7 @@ from planner.language.nddl.expressions import choice, interval
 from planner.language.nddl.lexer import END
 from planner.language.nddl.reader import Reader
 from planner.language.nddl.syntax import (
+    AttributeDefinition,
     ClassDefinition,
     Constructor,
     Declaration,
@@ -22,7 +23,7 @@ from planner.language.nddl.syntax import (
 Block = Callable[[Reader], tuple[Statement, ...]]
 Declare = Callable[[Reader], Declaration]
 Recover = Callable[[Reader, Complaint, int, int], None]
-Member = Declaration | Constructor | PredicateDefinition
+Member = Declaration | Constructor | PredicateDefinition | AttributeDefinition
 
 
 def class_definition(reader: Reader, block: Block, declare: Declare, recover: Recover) -> ClassDefinition:
@@ -55,16 +56,10 @@ def class_definition(reader: Reader, block: Block, declare: Declare, recover: Re
 
 def _member(reader: Reader, cls: str, block: Block, declare: Declare) -> Member:
     at = reader.at()
-    exogenous = reader.sees("exogenous") and reader.ahead().text == "predicate"
-    if exogenous:
-        reader.advance()
-    if reader.sees("predicate") or reader.sees("action"):
-        action = reader.advance().text == "action"
-        name = reader.name("the name of a predicate")
-        if not reader.sees("{"):
-            raise reader.unexpected(f"'{{' after the predicate '{name}'")
-        body = block(reader)
-        return PredicateDefinition(name, body, action, exogenous, at=at)
+    if _predicate_follows(reader):
+        return _predicate(reader, block)
+    if reader.sees("attribute") and reader.ahead().kind == "name" and reader.ahead(2).text == "{":
+        return _attribute(reader, block)
     if reader.lexeme.kind == "name" and reader.ahead().text == "(":
         return _constructor(reader, cls, block)
     if reader.lexeme.kind != "name":
@@ -72,6 +67,35 @@ def _member(reader: Reader, cls: str, block: Block, declare: Declare) -> Member:
     if reader.ahead().text == "::":
         raise Complaint(at, "a rule is stated outside of the class")
     return declare(reader)
+
+
+def _predicate_follows(reader: Reader) -> bool:
+    if reader.sees("exogenous"):
+        return reader.ahead().text == "predicate"
+    return reader.sees("predicate") or reader.sees("action")
+
+
+def _predicate(reader: Reader, block: Block) -> PredicateDefinition:
+    at = reader.at()
+    exogenous = reader.accept("exogenous")
+    action = reader.advance().text == "action"
+    name = reader.name("the name of a predicate")
+    if not reader.sees("{"):
+        raise reader.unexpected(f"'{{' after the predicate '{name}'")
+    return PredicateDefinition(name, block(reader), action, exogenous, at=at)
+
+
+def _attribute(reader: Reader, block: Block) -> AttributeDefinition:
+    at = reader.at()
+    reader.advance()
+    name = reader.name("the name of an attribute")
+    reader.expect("{")
+    found: list[PredicateDefinition] = []
+    while not reader.accept("}"):
+        if not _predicate_follows(reader):
+            raise reader.unexpected(f"a predicate or '}}' in the attribute '{name}'")
+        found.append(_predicate(reader, block))
+    return AttributeDefinition(name, tuple(found), at=at)
 
 
 def _constructor(reader: Reader, cls: str, block: Block) -> Constructor:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from planner.errors import nearest
@@ -17,11 +17,13 @@ MAX_BYTES = 64_000_000
 
 
 class Loader:
-    """Reads files. `search`: folders for includes that are not beside the file. `texts`: all strings that were read."""
+    """Reads files. `search`: folders for includes that are not beside the file. `headers`: texts that stand for files
+    of these names. `texts`: all strings that were read."""
 
-    def __init__(self, report: Report, search: Sequence[Path] = ()) -> None:
+    def __init__(self, report: Report, search: Sequence[Path] = (), headers: Mapping[str, str] | None = None) -> None:
         self.report = report
         self.search = tuple(search)
+        self.headers = dict(headers or {})
         self.texts: set[str] = set()
         self._seen: set[Path] = set()
 
@@ -55,6 +57,10 @@ class Loader:
             return
         if depth >= MAX_INCLUDES_DEEP:
             raise Complaint(node.at, f"files include files more than {MAX_INCLUDES_DEEP} deep")
+        if node.file in self.headers:
+            text, self.headers[node.file] = self.headers[node.file], ""  # each file is read once
+            yield from self._flattened(parse(Source(node.file, text), self.report, self.texts), folder, depth + 1)
+            return
         path = self._find(node, folder)
         if path.resolve() in self._seen:
             return

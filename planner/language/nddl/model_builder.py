@@ -15,6 +15,7 @@ from planner.language.nddl.scope import Scope, StateMeaning
 from planner.language.nddl.symbols import PredicateSymbol, Symbols
 from planner.language.nddl.syntax import (
     Assignment,
+    AttributeDefinition,
     Choice,
     Constraint,
     Contingent,
@@ -89,6 +90,8 @@ class ModelBuilder:
             if symbol.definition is None or symbol.definition.members is None:
                 continue
             for member in symbol.definition.members:
+                if isinstance(member, AttributeDefinition) and member.name not in self.model.attributes_of(symbol.name):
+                    self.model.add_attribute(symbol.name, member.name)
                 if not isinstance(member, Declaration):
                     continue
                 try:
@@ -144,7 +147,7 @@ class ModelBuilder:
                 symbol.cls,
                 symbol.name,
                 parameters,
-                attribute=above or STATE,
+                attribute=symbol.attribute or above or STATE,
                 duration=found.duration,
                 contingent=found.contingent,
                 exogenous=node.exogenous,

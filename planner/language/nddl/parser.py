@@ -24,6 +24,7 @@ from planner.language.nddl.syntax import (
     Contingent,
     Declaration,
     Declarator,
+    Either,
     ForEach,
     Goal,
     If,
@@ -143,6 +144,8 @@ def statement(reader: Reader) -> Statement | None:
     if reader.lexeme.kind != "name":
         return _requirement(reader)
     word, following = reader.lexeme.text, reader.ahead()
+    if word == "either" and following.text == "{":
+        return _either(reader)
     read = _STATEMENTS.get(word)
     if read is not None and following.text not in (".", "=", "=="):
         return read(reader)
@@ -306,6 +309,18 @@ def _if(reader: Reader) -> If:
     then = block(reader)
     otherwise = block(reader) if reader.accept("else") else ()
     return If(test, then, otherwise, at=at)
+
+
+def _either(reader: Reader) -> Either:
+    at = reader.at()
+    reader.advance()
+    branches = [block(reader)]
+    while reader.sees("or") and reader.ahead().text == "{":
+        reader.advance()
+        branches.append(block(reader))
+    if len(branches) == 1:
+        raise reader.unexpected("'or {': an 'either' has two branches or more")
+    return Either(tuple(branches), at=at)
 
 
 def _foreach(reader: Reader) -> ForEach:

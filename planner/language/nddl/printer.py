@@ -10,6 +10,7 @@ from planner.language.nddl.lexer import quoted
 from planner.language.nddl.syntax import (
     Allocation,
     Assignment,
+    AttributeDefinition,
     Binary,
     Bounds,
     Call,
@@ -20,6 +21,7 @@ from planner.language.nddl.syntax import (
     Contingent,
     Declaration,
     Declarator,
+    Either,
     Enumeration,
     Expression,
     ForEach,
@@ -184,6 +186,11 @@ def _if(node: If) -> Iterator[str]:
         yield from _block("else", node.otherwise)
 
 
+def _either(node: Either) -> Iterator[str]:
+    for number, branch in enumerate(node.branches):
+        yield from _block("or" if number else "either", branch)
+
+
 def _class(node: ClassDefinition) -> Iterator[str]:
     if node.members is None:
         yield f"class {node.name};"
@@ -221,9 +228,11 @@ _STATEMENTS: dict[type, Callable[[Any], Iterator[str]]] = {
     Super: _one(lambda node: f"super({_comma(node.arguments)});"),
     Contingent: _one(lambda node: f"contingent duration = {_range(node.domain)};"),
     If: _if,
+    Either: _either,
     ForEach: lambda node: _block(f"foreach ({node.name} in {node.over})", node.body),
     ClassDefinition: _class,
     PredicateDefinition: _predicate,
+    AttributeDefinition: lambda node: _block(f"attribute {node.name}", node.predicates),
     Constructor: _constructor,
     RuleDefinition: lambda node: _block(f"{node.cls}::{node.predicate}", node.body),
     Signature: _one(lambda node: " ".join(node.words)),

@@ -21,6 +21,7 @@ from planner.language.nddl.syntax import (
     Binary,
     Constraint,
     Declaration,
+    Either,
     Expression,
     ForEach,
     Goal,
@@ -39,7 +40,7 @@ from planner.model.classes import ModelObject
 from planner.tokens.instance import RuleInstance, evaluate, resolve
 from planner.tokens.token import Role, Token
 
-PROBLEM = (Assignment, Constraint, Declaration, ForEach, Goal, If, Method, Relation, Requirement)
+PROBLEM = (Assignment, Constraint, Declaration, Either, ForEach, Goal, If, Method, Relation, Requirement)
 """The kinds of statements that say something about the plan."""
 _BOUND_BY_NUMBER = ("eq", "leq", "lt")
 

@@ -36,9 +36,9 @@ class TokenMeaning:
 
 @dataclass(frozen=True, slots=True)
 class ValueMeaning:
-    """A value of an enumeration."""
+    """A value of an enumeration, or a number that the program gives a name."""
 
-    value: str
+    value: object
     enumeration: str | None
 
 
@@ -105,6 +105,8 @@ class Scope:
             members = self.symbols.members_of(cls)
             if name in members:
                 return VariableMeaning(Ref(("object", name)), members[name])
+        if self.own is not None and name in self.symbols.constants:
+            return ValueMeaning(self.symbols.constants[name], None)
         if name in self.symbols.variables:
             return VariableMeaning(Ref((name,)), self.symbols.variables[name])
         if name in self.symbols.tokens:

@@ -12,6 +12,7 @@ from planner.errors import nearest
 from planner.language.nddl.errors import NOWHERE, Complaint, Position, Report
 from planner.language.nddl.library import CONFIG, CONFIG_MEMBERS
 from planner.language.nddl.syntax import (
+    AttributeDefinition,
     ClassDefinition,
     Constructor,
     Declaration,
@@ -31,12 +32,13 @@ PredicateKey = tuple[str, str]
 
 @dataclass(slots=True)
 class PredicateSymbol:
-    """A predicate: the types of its parameters, and its definition (None: built in)."""
+    """A predicate: the types of its parameters, its definition (None: built in) and the attribute that it names."""
 
     cls: str
     name: str
     parameters: dict[str, str] = field(default_factory=dict)
     definition: PredicateDefinition | None = None
+    attribute: str | None = None
 
 
 @dataclass(slots=True)
@@ -62,6 +64,8 @@ class Symbols:
         self.enumerations_of: dict[str, list[str]] = {}
         self.aliases: dict[str, str] = {}
         self.variables: dict[str, str] = {}
+        self.constants: dict[str, float] = {}
+        """Global variables that are declared with a number: rules and bounds may use them as one."""
         self.tokens: dict[str, tuple[str, ...]] = {}
         self.forward: dict[str, Position] = {}
         self.token_predicates: dict[str, PredicateKey] = {}
@@ -117,17 +121,20 @@ class Symbols:
                 symbol.constructors.append(member)
             elif isinstance(member, PredicateDefinition):
                 self._predicate(symbol, member)
+            elif isinstance(member, AttributeDefinition):
+                for predicate in member.predicates:
+                    self._predicate(symbol, predicate, member.name)
             else:
                 for variable in member.variables:
                     if variable.name in symbol.members:
                         self._complain(variable.at, f"class {symbol.name}: member {variable.name!r} is declared twice")
                     symbol.members[variable.name] = member.type
 
-    def _predicate(self, symbol: ClassSymbol, member: PredicateDefinition) -> None:
+    def _predicate(self, symbol: ClassSymbol, member: PredicateDefinition, attribute: str | None = None) -> None:
         if member.name in symbol.predicates:
             self._complain(member.at, f"class {symbol.name}: predicate {member.name!r} is declared twice")
             return
-        found = PredicateSymbol(symbol.name, member.name, definition=member)
+        found = PredicateSymbol(symbol.name, member.name, definition=member, attribute=attribute)
         for statement in member.body:
             if isinstance(statement, Declaration):
                 found.parameters.update((variable.name, statement.type) for variable in statement.variables)

@@ -243,6 +243,13 @@ class If(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class Either(Node):
+    """`either {...} or {...}`: at least one of the branches holds, the first one preferred. An extension."""
+
+    branches: tuple[tuple[Statement, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ForEach(Node):
     """`foreach (name in over) {...}`."""
 
@@ -271,12 +278,20 @@ class PredicateDefinition(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class AttributeDefinition(Node):
+    """`attribute name { predicates }`: a timeline of its own for these values. An extension."""
+
+    name: str
+    predicates: tuple[PredicateDefinition, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ClassDefinition(Node):
     """`class C extends P {...}`; `members` is None in a forward declaration `class C;`."""
 
     name: str
     parent: str | None
-    members: tuple[Declaration | Constructor | PredicateDefinition, ...] | None
+    members: tuple[Declaration | Constructor | PredicateDefinition | AttributeDefinition, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,6 +325,7 @@ Statement = (
     | Super
     | Contingent
     | If
+    | Either
     | ForEach
     | ClassDefinition
     | RuleDefinition

@@ -23,6 +23,7 @@ from planner.language.nddl.syntax import (
     Choice,
     Constraint,
     Declaration,
+    Either,
     Expression,
     ForEach,
     If,
@@ -38,7 +39,7 @@ from planner.language.nddl.syntax import (
     Truth,
     Unary,
 )
-from planner.language.nddl.values import Literals
+from planner.language.nddl.values import Literals, is_number
 from planner.model import rules
 from planner.model.manager import ModelManager
 from planner.model.relations import distances
@@ -176,13 +177,14 @@ class Translator:
         return found.ref if isinstance(found, VariableMeaning) and found.is_timepoint else None
 
     def _number(self, node: Expression) -> tuple[float, float] | None:
+        if isinstance(node, Name):
+            found = self.scope.meaning(node.path, node.at)
+            return (found.value, found.value) if isinstance(found, ValueMeaning) and is_number(found.value) else None
         if isinstance(node, Range):
             interval = self.literals.interval(node, False)
             return interval.lower, interval.upper
-        value = self.literals.value(node) if not isinstance(node, Name) else None
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            return value, value
-        return None
+        value = self.literals.value(node)
+        return (value, value) if is_number(value) else None
 
     def _relation(self, node: Relation) -> None:
         bounds = tuple(self.bounds_of(one.lower, one.upper) for one in node.bounds)
@@ -254,6 +256,10 @@ class Translator:
             then, otherwise = otherwise, then
         self.out.append(rules.Guard(procedure, scope, then, otherwise))
 
+    def _either(self, node: Either) -> None:
+        branches = tuple(self.inner(branch, self.scope.inner()) for branch in node.branches)
+        self.out.append(rules.OneOf(self.fresh("either"), branches))
+
     def test(self, node: Expression) -> tuple[str, tuple[rules.Expression, ...]]:
         """The test of a guard as a procedure and its arguments."""
         if isinstance(node, Call) and node.function in SINGLETON_TESTS:
@@ -322,7 +328,7 @@ class Translator:
         if isinstance(found, ValueMeaning):
             if found.enumeration is None:
                 return rules.Constant(found.value)
-            return rules.Constant(domain=self.literals.enumerated(found.value, found.enumeration))
+            return rules.Constant(domain=self.literals.enumerated(str(found.value), found.enumeration))
         if isinstance(found, StateMeaning):
             message = "the state of a token is the planner's to decide; goal, rejectable, fact and activate() set it"
             raise Complaint(node.at, message, unsupported=True)
@@ -387,5 +393,6 @@ _TRANSLATE: dict[type, Callable[[Translator, Any], None]] = {
     Requirement: Translator._requirement,
     Relation: Translator._relation,
     If: Translator._if,
+    Either: Translator._either,
     ForEach: Translator._for_each,
 }

@@ -59,7 +59,7 @@ class Literals:
             return name.path[0]
         if len(name.path) == 2 and name.path[0] in enumerations.get(name.path[1], ()):
             return name.path[1]
-        return None
+        return self.symbols.constants.get(name.path[0]) if len(name.path) == 1 else None
 
     def interval(self, node: Range, real: bool) -> Interval:
         """The interval of `[lower upper]`; a complaint for bounds that are no numbers or are the wrong way round."""

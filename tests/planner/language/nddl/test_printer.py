@@ -33,7 +33,9 @@ def test_print_and_parse_is_the_identity(sample: Sample) -> None:
     assert same
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.nddl")), ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "path", sorted([*EXAMPLES.glob("*.nddl"), *EXAMPLES.parent.glob("ds1/*.nddl")]), ids=lambda p: p.name
+)
 def test_examples(path: object) -> None:
     first = read(path.read_text())  # type: ignore[attr-defined]
     assert first

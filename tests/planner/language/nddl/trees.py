@@ -85,6 +85,7 @@ statements = st.recursive(
             syntax.If, expressions, st.lists(inner, max_size=2).map(tuple), st.lists(inner, max_size=2).map(tuple)
         )
         | st.builds(syntax.ForEach, names, st.builds(syntax.Name, paths), st.lists(inner, max_size=2).map(tuple))
+        | st.lists(st.lists(inner, max_size=2).map(tuple), min_size=2, max_size=3).map(tuple).map(syntax.Either)
     ),
     max_leaves=4,
 )
@@ -92,6 +93,7 @@ predicates = st.builds(syntax.PredicateDefinition, names, bodies, st.booleans(),
     # an action happens because the plan has it: only a predicate can be exogenous
     lambda p: p if not p.action else syntax.PredicateDefinition(p.name, p.body, True, False)
 )
+attributes = st.builds(syntax.AttributeDefinition, names, st.lists(predicates, max_size=2).map(tuple))
 parameters = st.lists(st.tuples(names, names), max_size=2).map(tuple)
 
 
@@ -102,7 +104,7 @@ def classes(draw: st.DrawFn) -> syntax.ClassDefinition:
     if draw(st.booleans()):
         return syntax.ClassDefinition(name, None, None)
     constructors = st.builds(syntax.Constructor, st.just(name), parameters, bodies)
-    members = draw(st.lists(declarations | predicates | constructors, max_size=4))
+    members = draw(st.lists(declarations | predicates | attributes | constructors, max_size=4))
     return syntax.ClassDefinition(name, draw(st.none() | names), tuple(members))
 
 

@@ -1,0 +1,126 @@
+"""What this project adds to NDDL: attributes, alternatives, named numbers, texts for included files."""
+
+from __future__ import annotations
+
+import pytest
+
+from planner.constraints.standard import STANDARD
+from planner.language.nddl.builder import load_text
+from planner.language.nddl.errors import NddlError, Report, Source
+from planner.language.nddl.parser import parse
+from planner.language.nddl.printer import render
+from scenarios.ds1.domain import Capability, header_of
+from tests.planner.language.nddl.running import Run, complaints
+from tests.planner.test_checker import ds1
+
+CAMERA = """
+class Camera {
+  attribute mode { predicate off {} predicate ready {} }
+  attribute switch { predicate on {} exogenous predicate stuck {} }
+}
+Camera::ready { contained_by(on o); }
+class Better extends Camera { attribute mode { predicate best {} } }
+Better camera = new Better();
+"""
+
+
+def test_an_object_has_a_timeline_for_each_attribute() -> None:
+    run = Run(CAMERA + "goal(camera.ready r); goal(camera.off o); goal(camera.best b); r before o; o before b;")
+    assert run.plan is not None
+    lanes = {f"{t.object}.{t.attribute}": len(t.slots) for t in run.plan.timelines}
+    assert lanes == {"camera.mode": 3, "camera.switch": 1}
+    assert run.predicates() == ["Better.best", "Camera.off", "Camera.on", "Camera.ready"]
+
+
+def test_alternatives_the_first_one_first() -> None:
+    rules = "Camera::off { either { meets(ready r); } or { meets(best b); } }".replace("Camera", "Better")
+    wanted = CAMERA + rules + "goal(camera.off o); eq(o.end, 50);"
+    assert Run(wanted).predicates() == ["Camera.off", "Camera.on", "Camera.ready"]
+    # A switch that never goes on leaves the second alternative only.
+    assert Run(wanted + "fact(camera.stuck s); eq(s.start, 0); eq(s.end, 1000);").predicates() == [
+        "Better.best",
+        "Camera.off",
+        "Camera.stuck",
+    ]
+
+
+def test_an_alternative_in_the_problem() -> None:
+    assert Run("int x = [0 9]; either { x < 3; x > 5; } or { x == 7; }").value("x") == 7
+
+
+def test_named_numbers_are_numbers() -> None:
+    run = Run(
+        """
+        int SHORT = 3, LONG = 6; float DRAW = 2.5;
+        class Attitude extends Timeline { predicate slew { contingent duration = [SHORT LONG]; } predicate rest {} }
+        Attitude::slew { after[SHORT LONG](rest r); equals(power.uses u); u.quantity == DRAW; r.end + LONG <= start; }
+        Attitude attitude = new Attitude();
+        Reusable power = new Reusable(DRAW, 0.0);
+        goal(attitude.slew s); s.start == 20;
+        """
+    )
+    assert run.plan is not None
+    by_predicate = {t.predicate: t for t in run.plan.tokens}
+    assert by_predicate["Attitude.slew"].duration == (3, 6)
+    assert by_predicate["Reusable.uses"].parameters == {"quantity": 2.5}
+    assert by_predicate["Attitude.rest"].end == (14, 14)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("int x; either { x == 1; }", "1:26 expected 'or {': an 'either' has two branches or more, found the end"),
+        ("class A { attribute mode { int x; } }", "1:28 expected a predicate or '}' in the attribute 'mode'"),
+        (
+            "class A { attribute mode { predicate p {} } predicate p {} }",
+            "1:45 class A: predicate 'p' is declared twice",
+        ),
+        (
+            "int LOW = 5; class A extends Timeline { predicate p { contingent duration = [LOWW 9]; } }",
+            "1:78 expected a number as the bound of an interval, found LOWW",
+        ),
+    ],
+)
+def test_what_is_wrong_with_them(text: str, complaint: str) -> None:
+    assert any(found.startswith(complaint) for found in complaints(text)), complaints(text)
+
+
+def test_texts_for_included_files() -> None:
+    text = '#include "given.nddl"\n#include "given.nddl"\nint x = [0 N]; x > 2;'
+    model, program, _ = load_text(text, STANDARD, headers={"given.nddl": "int N = 3;"}, model_name="mine")
+    assert model.name == "mine"
+    assert program.symbols.constants == {"N": 3}
+    with pytest.raises(NddlError, match=r"^given.nddl:1:8: "):
+        load_text(text, STANDARD, headers={"given.nddl": "int N ="})
+
+
+def test_the_flown_domain_prints_and_says_what_nature_decides() -> None:
+    model, _, plan = ds1()
+    found = [p for c in model.classes() for p in c.predicates.values()]
+    contingent = {p.full_name: p.duration for p in found if p.contingent}
+    assert contingent == {
+        "Attitude.turn": (300, 900),
+        "Engine.startUp": (600, 1202),
+        "Engine.shutDown": (60, 242),
+        "Camera.warmUp": (600, 902),
+        "Camera.takeImage": (50, 72),
+    }
+    assert [p.full_name for p in found if p.exogenous] == ["Camera.stuckOn"]
+    assert {t.predicate for t in plan.tokens if t.contingent} == set(contingent) - {"Engine.shutDown"}
+
+
+def test_a_target_without_a_name_of_the_language() -> None:
+    capability = Capability(
+        ("earth", "asteroid-1"), {("earth", "earth"): (1, 2)}, {6: 1.0}, 1, (1, 2), (1, 2), 1, (1, 2), 1, (1, 2), 1
+    )
+    with pytest.raises(Exception, match="expected names of letters, digits and underscores, found 'asteroid-1'"):
+        header_of(capability)
+
+
+def test_words_of_the_extensions_are_names_elsewhere() -> None:
+    text = "class A { attribute either; int attribute; predicate contingent { int exogenous; } } class attribute {}"
+    report = Report()
+    tree = parse(Source("t", text), report)
+    assert not report.found
+    again = parse(Source("t", render(tree)), report)
+    assert again == tree
