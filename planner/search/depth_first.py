@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain, islice
 from time import perf_counter
 
 from planner.database import PlanDatabase
@@ -63,9 +64,10 @@ class DepthFirst(ABC):
                 going_on = self.refused()
             else:
                 flaw, decisions = found
-                if not decisions:
+                first = list(islice(decisions, 1))
+                if not first:
                     self.outcome.note(len(self.stack), partial("nothing resolves {!r}".format, flaw))
-                self.stack.append(Frame(flaw, iter(decisions), self.database.trail.depth))
+                self.stack.append(Frame(flaw, chain(first, decisions), self.database.trail.depth))
             if not going_on or not self.advance():
                 self.outcome.exhausted = not self.stack
                 self.database.trail.pop_to(bottom)

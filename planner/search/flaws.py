@@ -8,8 +8,8 @@ horizon is no flaw: a plan speaks of its horizon only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterator
+from itertools import chain, islice
 
 from planner.constraints.network import DurationVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
@@ -33,13 +33,12 @@ class OpenToken:
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         """Codesignate where possible, then the empty slots in order, then rejection where it is allowed."""
         token = self.token
-        hosts, places = database.tokens.openings(token)
-        for host in hosts:
+        for host in database.tokens.hosts(token):
             yield Codesignate(token, host)
         if token.predicate.exogenous and token.role not in GIVEN:
             pass  # only what the problem says is true can be its host
         elif token.kind == "timeline":
-            for thing, position in places:
+            for thing, position in database.tokens.places(token):
                 yield Insert(token, thing, position)
         else:
             for thing in objects_in(token.object.domain):
@@ -128,7 +127,7 @@ WAYS: dict[str, tuple[tuple[str, bool, bool], ...]] = {
 Flaw = OpenToken | Undecided | Unsettled | Contention
 
 NOT_FORCED = (0,)
-"""Below this is the rank of a token with a single decision or none, or that the problem says is true."""
+"""Below this is the rank of a token with a single decision or none."""
 CROWD = 32
 """In a group of more tokens than this, how many decisions one has is counted again only when its own bounds moved: an
 estimate, since what lies on the timeline moves too. The decisions themselves are always those of the moment."""
@@ -138,21 +137,27 @@ WINDOW = 64
 """How many undecided variables are compared for the fewest values."""
 
 
-def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterable[Decision]] | None:
-    """The flaw to resolve next, with its decisions; an empty list of them for a dead end. None: the plan is complete.
+def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
+    """The flaw to resolve next, with its decisions, none for a dead end. None: the plan is complete.
+
+    The decisions are found as they are asked for, with the database as it is now.
 
     What the problem says is true comes first: exogenous tokens look there for a host. Then a token without a decision,
     then one with a single decision; then the alternatives that the problem's own tokens leave open, since they decide
     what else is needed; then tokens, those nearest to the problem first (depth), and among them the one with the fewest
     decisions; then variables with the fewest values; then guards on times; then contentions.
     """
+    token = _given(database)
+    if token is not None:
+        return OpenToken(token), OpenToken(token).decisions(database)
     urgent = _most_urgent(database)
-    best: tuple[Flaw, Sequence[Decision]] | None = None
+    best: tuple[Flaw, Iterator[Decision]] | None = None
     if urgent is not None:
         rank, token = urgent
-        flaw = OpenToken(token)
-        best = flaw, list(flaw.decisions(database))
-        if rank < NOT_FORCED or len(best[1]) < 2:
+        decisions = OpenToken(token).decisions(database)
+        first = list(islice(decisions, 2))
+        best = OpenToken(token), chain(first, decisions)
+        if rank < NOT_FORCED or len(first) < 2:
             return best
     variable = next((v for v in database.tokens.alternatives if not v.domain.is_singleton), None)
     undecided = Undecided(variable) if variable is not None else None
@@ -165,7 +170,7 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterable[Decision]] | None:
     return _unsettled(database) or _contention(database)
 
 
-def _unsettled(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
+def _unsettled(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     for guard in database.tokens.waiting_guards():
         domains = [variable.domain for variable in guard.scope]
         # A finite variable that is still open here belongs to a token outside the horizon.
@@ -173,16 +178,16 @@ def _unsettled(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None
         left = [d for d, time in zip(domains, is_time, strict=True) if not time and 1 < d.size < math.inf]
         if guard.guard.test in WAYS and not left and all(d.is_numeric for d in domains):
             unsettled = Unsettled(guard)
-            return unsettled, list(unsettled.decisions(database))
+            return unsettled, unsettled.decisions(database)
     return None
 
 
-def _contention(database: PlanDatabase) -> tuple[Flaw, Sequence[Decision]] | None:
+def _contention(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     for resource in database.tokens.resources.values():
         clash = resource.clash()
         if clash is not None:
             contention = Contention(clash)
-            return contention, list(contention.decisions(database))
+            return contention, contention.decisions(database)
     return None
 
 
@@ -199,10 +204,20 @@ def _smallest(database: PlanDatabase) -> Undecided | None:
     return Undecided(best) if best is not None else None
 
 
+def _given(database: PlanDatabase) -> Token | None:
+    """The first open token that the problem says is active."""
+    return next((token for token in database.tokens.open.given() if not _is_no_flaw(database, token)), None)
+
+
+def _is_no_flaw(database: PlanDatabase, token: Token) -> bool:
+    """Whether a token may lie outside the horizon, of which a plan says nothing."""
+    return token.role == "subgoal" and token.may_be_outside(database.horizon)
+
+
 def _most_urgent(database: PlanDatabase) -> tuple[Rank, Token] | None:
-    """The open token that comes first. Only groups in which something happened are looked at again."""
+    """The other open token that comes first. Only groups in which something happened are looked at again."""
     best: tuple[Rank, Token] | None = None
-    for group in database.tokens.open_groups():
+    for group in database.tokens.open.look():
         if group.stale or group.wide:
             group.best = _most_urgent_of(database, group)
             group.stale = False
@@ -216,7 +231,7 @@ def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Tok
     lower, upper = database.temporal.lower, database.temporal.upper
     crowded = len(group.tokens) > CROWD
     for token in group.tokens.values():
-        if token.role == "subgoal" and token.may_be_outside(database.horizon):
+        if _is_no_flaw(database, token):
             continue
         start, end = token.start.timepoint, token.end.timepoint
         key = lower(start), upper(start), lower(end), upper(end)
@@ -229,8 +244,6 @@ def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Tok
 
 
 def _rank(token: Token, decisions: int, earliest: int) -> Rank:
-    if token.role in GIVEN or token.must_host:
-        return (-3, 0, 0, token.id)
     if decisions < 2:
         return (decisions - 2, 0, earliest, token.id)
     return (min(token.depth, DEEP), decisions, token.id)

@@ -17,8 +17,8 @@ from planner.model.classes import ModelObject, objects_in
 from planner.model.manager import ModelManager
 from planner.model.resources import USES
 from planner.model.rules import Statement
-from planner.tokens.groups import BoundsWatch, OpenGroup
 from planner.tokens.instance import Extent, GuardInstance, Named, RuleInstance, carry_out
+from planner.tokens.openness import OpenTokens
 from planner.tokens.resources import PendingUse, Resource
 from planner.tokens.timeline import Timeline, may_codesignate
 from planner.tokens.token import Role, Token, TokenState
@@ -28,7 +28,7 @@ from planner.trail import Trail
 class TokenNetworkManager:
     """The partial plan: tokens, the timelines that they lie on, and what the model asks of them.
 
-    Every change is trailed. `open_groups` are the inactive tokens, `undecided` the variables that a complete
+    Every change is trailed. `open` are the inactive tokens, `undecided` the variables that a complete
     plan must bind in order of creation, `settled` those that had one value from the start, `alternatives` those that
     choose between the alternatives of a rule of a token that the problem states: the order of a search never depends on
     what was undone before. `by_name` are the tokens by their paths and `variables` the variables that rules have of
@@ -44,8 +44,7 @@ class TokenNetworkManager:
         self.by_name: dict[str, Token] = {}
         self.variables: dict[str, Variable] = {}
         self._named: list[Variable] = []
-        self.groups: dict[tuple[ModelObject | str, str], OpenGroup] = {}
-        self._ungrouped: dict[int, Token] = {}
+        self.open = OpenTokens(network, trail)
         self.undecided: list[Variable] = []
         self.settled: dict[int, Variable] = {}
         self.readings: dict[int, list[RuleInstance]] = {}
@@ -100,7 +99,7 @@ class TokenNetworkManager:
         self.trail.append(self.tokens, token)
         if name not in self.by_name:
             self.trail.add(self.by_name, name, token)
-        self.trail.add(self._ungrouped, token.id, token)
+        self.open.add(token)
         self.carry_out(declared.body, instance)
         return token
 
@@ -114,9 +113,7 @@ class TokenNetworkManager:
             self.network.distance(token.end, sequence[position].start, 0, math.inf, owner)
         sequence.insert(position, token)
         self.trail.call(sequence.pop, position)
-        group = self.groups.get((timeline.object, timeline.attribute))
-        if group is not None:
-            self._touch(group)
+        self.open.moved((timeline.object, timeline.attribute))
         self.trail.assign(token, "placed_by", owner)
         self._activate(token)
 
@@ -138,16 +135,16 @@ class TokenNetworkManager:
             self.require("eq", (variable, host.parameters[name]), owner)
         self.trail.assign(token, "state", TokenState.MERGED)
         self.trail.assign(token, "host", host)
-        self._close(token)
+        self.open.close(token)
 
     def reject(self, token: Token) -> None:
         """Leave a rejectable token out."""
         self.trail.assign(token, "state", TokenState.REJECTED)
-        self._close(token)
+        self.open.close(token)
 
     def _activate(self, token: Token) -> None:
         self.trail.assign(token, "state", TokenState.ACTIVE)
-        self._close(token)
+        self.open.close(token)
         for variable in token.parameters.values():
             self.must_be_decided(variable)
         if token.role == "fact":
@@ -159,43 +156,10 @@ class TokenNetworkManager:
             self.trail.append(token.rules, instance)
             self.carry_out(rule.body, instance)
 
-    def _close(self, token: Token) -> None:
-        group = token.group
-        home = self._ungrouped if group is None else group.tokens
-        del home[token.id]
-        self.trail.call(home.__setitem__, token.id, token)
-        if group is not None:
-            self._touch(group)
-
-    # Open tokens
-
-    def open_groups(self) -> Iterator[OpenGroup]:
-        """The open tokens by where they may go, those that came since the last look included."""
-        for token in [self._ungrouped[number] for number in sorted(self._ungrouped)]:
-            self._join_group(token)
-        return iter(self.groups.values())
-
     @property
     def open_tokens(self) -> dict[int, Token]:
         """The inactive tokens by number, in order of creation."""
-        found = [*self._ungrouped.values(), *(t for group in self.groups.values() for t in group.tokens.values())]
-        return {token.id: token for token in sorted(found, key=lambda token: token.id)}
-
-    def _join_group(self, token: Token) -> None:
-        wide = token.kind != "timeline" or not token.object.domain.is_singleton
-        place = token.predicate.cls if wide else token.thing
-        group = self.groups.setdefault((place, token.predicate.attribute), OpenGroup(wide))
-        del self._ungrouped[token.id]
-        self.trail.call(self._ungrouped.__setitem__, token.id, token)
-        self.trail.add(group.tokens, token.id, token)
-        self.trail.assign(token, "group", group)
-        self._touch(group)
-        if not wide:
-            self.network.alert(BoundsWatch(group, token))
-
-    def _touch(self, group: OpenGroup) -> None:
-        group.touch()
-        self.trail.call(group.touch)
+        return self.open.all()
 
     # Where a token may go
 
@@ -205,17 +169,25 @@ class TokenNetworkManager:
 
     def openings(self, token: Token) -> tuple[list[Token], list[tuple[ModelObject, int]]]:
         """Where the token could go as far as bounds can tell: hosts, and empty slots as timeline and position."""
+        return list(self.hosts(token)), list(self.places(token))
+
+    def hosts(self, token: Token) -> Iterator[Token]:
+        """The active tokens that this one could be codesignated with."""
         if token.kind == "timeline":
-            hosts: list[Token] = []
-            places: list[tuple[ModelObject, int]] = []
-            for thing in objects_in(token.object.domain):
-                found, slots = self.timelines[thing, token.predicate.attribute].openings(token)
-                hosts += found
-                places += [(thing, position) for position in slots]
-            return hosts, places
-        if token.kind == "unordered":
-            return [host for host in self._unordered_of(token) if may_codesignate(token, host)], []
-        return [], []
+            for timeline in self._timelines_for(token):
+                yield from timeline.hosts(token)
+        elif token.kind == "unordered":
+            yield from (host for host in self._unordered_of(token) if may_codesignate(token, host))
+
+    def places(self, token: Token) -> Iterator[tuple[ModelObject, int]]:
+        """The empty slots of timelines that it could take, as object and position."""
+        if token.kind == "timeline":
+            for timeline in self._timelines_for(token):
+                yield from ((timeline.object, position) for position in timeline.slots(token))
+
+    def _timelines_for(self, token: Token) -> list[Timeline]:
+        attribute = token.predicate.attribute
+        return [self.timelines[thing, attribute] for thing in objects_in(token.object.domain)]
 
     def _unordered_of(self, token: Token) -> list[Token]:
         return self._unordered.setdefault(token.predicate.full_name, [])

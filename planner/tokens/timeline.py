@@ -7,6 +7,7 @@ along it, so the slots and the tokens that a newcomer may meet are a window foun
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
 
 from planner.model.classes import ModelObject
 from planner.temporal.network import EARLIEST, LATEST, TemporalNetworkManager
@@ -36,22 +37,26 @@ class Timeline:
         last = bisect_right(sequence, latest, first, key=lambda t: -bounds[LATEST * t.start.timepoint + EARLIEST])
         return first, last
 
-    def openings(self, token: Token) -> tuple[list[Token], list[int]]:
-        """Where the token could go as far as bounds can tell: hosts to codesignate with, positions of empty slots.
+    def hosts(self, token: Token) -> Iterator[Token]:
+        """The hosts that the token could be codesignated with, as far as bounds and domains can tell, in order."""
+        if not may_seek_hosts(token):
+            return
+        first, last = self.window(token)
+        for position in range(first, last):
+            if may_codesignate(token, self.sequence[position]):
+                yield self.sequence[position]
 
-        A position is that of the token which the newcomer would come before.
+    def slots(self, token: Token) -> Iterator[int]:
+        """The empty slots that the token could take as far as bounds can tell, in order.
+
+        Each is the position of the token which the newcomer would come before.
         """
         first, last = self.window(token)
-        hosts = [host for host in self.sequence[first:last] if may_codesignate(token, host)]
-        return hosts, self._slots(token, first, last)
-
-    def _slots(self, token: Token, first: int, last: int) -> list[int]:
         bounds, sequence = self.temporal.bounds, self.sequence
         start, end = LATEST * token.start.timepoint, LATEST * token.end.timepoint
         start_lower, start_upper = -bounds[start + EARLIEST], bounds[start]
         end_lower, end_upper = -bounds[end + EARLIEST], bounds[end]
         shortest = token.duration.stated.lower
-        slots = []
         for position in range(first, last + 1):
             earliest, latest = start_lower, end_upper
             if position > 0:
@@ -65,13 +70,17 @@ class Timeline:
                     continue
                 latest = min(latest, after)
             if earliest + shortest <= latest:
-                slots.append(position)
-        return slots
+                yield position
+
+
+def may_seek_hosts(token: Token) -> bool:
+    """Whether a token may be one with another at all."""
+    return not (token.must_host or token.predicate.solitary)
 
 
 def may_codesignate(token: Token, host: Token) -> bool:
     """Whether two tokens could be one, as far as the domains of their variables can tell."""
-    if token.predicate is not host.predicate or token.must_host or token.predicate.solitary:
+    if token.predicate is not host.predicate or not may_seek_hosts(token):
         return False
     bounds = host.start.temporal.bounds
     for mine, other in ((token.start, host.start), (token.end, host.end)):

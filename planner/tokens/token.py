@@ -103,6 +103,11 @@ class Token:
         return found
 
     @property
+    def is_given(self) -> bool:
+        """Whether the problem says that the token is active: its slot is sought before anything else."""
+        return self.must_host or self.role in GIVEN
+
+    @property
     def placed(self) -> bool:
         """Whether a decision made the token active."""
         return self.placed_by is not None

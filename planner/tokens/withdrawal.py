@@ -11,7 +11,6 @@ from planner.constraints.retraction import detach, forget_timepoint
 from planner.tokens.groups import BoundsWatch
 from planner.tokens.instance import GuardInstance
 from planner.tokens.manager import TokenNetworkManager
-from planner.tokens.timeline import Timeline
 from planner.tokens.token import Token, TokenState
 from planner.trail import Trail
 
@@ -25,15 +24,14 @@ def release(manager: TokenNetworkManager, token: Token) -> None:
     for attribute, value in (("state", TokenState.INACTIVE), ("host", None), ("placed_by", None), ("group", None)):
         trail.assign(token, attribute, value)
     trail.assign(token, "rules", [])
-    trail.add(manager._ungrouped, token.id, token)
+    manager.open.add(token)
 
 
 def destroy(manager: TokenNetworkManager, token: Token) -> None:
     """Take a token out of the plan."""
-    if token.state is TokenState.INACTIVE:
-        manager._close(token)
-    else:
-        _leave_slot(manager, token)
+    _leave_slot(manager, token)
+    if token.is_given or token.state is TokenState.INACTIVE:
+        manager.open.forget(token)
     place = bisect_left(manager.tokens, token.id, key=attrgetter("id"))
     del manager.tokens[place]
     manager.trail.call(manager.tokens.insert, place, token)
@@ -75,13 +73,6 @@ def unsettle(manager: TokenNetworkManager, variable: Variable) -> None:
         manager.trail.append(manager.undecided, variable)
 
 
-def touch(manager: TokenNetworkManager, timeline: Timeline) -> None:
-    """What a search found out about the open tokens of a timeline stands no more."""
-    group = manager.groups.get((timeline.object, timeline.attribute))
-    if group is not None:
-        manager._touch(group)
-
-
 def _leave_slot(manager: TokenNetworkManager, token: Token) -> None:
     if token.state is not TokenState.ACTIVE:
         return
@@ -90,7 +81,7 @@ def _leave_slot(manager: TokenNetworkManager, token: Token) -> None:
     if token.kind == "timeline":
         timeline = manager.timeline_of(token)
         take(manager.trail, timeline.sequence, token)
-        touch(manager, timeline)
+        manager.open.moved((timeline.object, timeline.attribute))
     else:
         take(manager.trail, manager._unordered_of(token), token)
 

@@ -303,7 +303,8 @@ class _Execution:
 
     def activate(self, token: Token, instance: RuleInstance) -> None:
         """Say that a token is active: where it goes, if that is open, the search decides before anything else."""
-        token.must_host = True
+        if not token.must_host:
+            self.tokens.open.put_first(token)
         if token.kind == "timeline" or not token.object.domain.is_singleton or token.placed:
             return
         self.tokens.activate(token, instance)

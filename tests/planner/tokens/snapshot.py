@@ -17,7 +17,8 @@ def snapshot(database: PlanDatabase) -> dict[str, Any]:
     return {
         "tokens": [_token(t) for t in tokens.tokens],
         "open": sorted(tokens.open_tokens),
-        "groups": [(repr(k), sorted(group.tokens)) for k, group in tokens.groups.items() if group.tokens],
+        "groups": [(repr(k), sorted(group.tokens)) for k, group in tokens.open.groups.items() if group.tokens],
+        "given": ([t.id for t in tokens.open._given], tokens.open._first),
         "undecided": [_variable(v) for v in tokens.undecided],
         "alternatives": [v.name for v in tokens.alternatives],
         "skipped": (tokens._decided, tokens._fired),
