@@ -90,7 +90,7 @@ class Flight:
             for second in range(self.scenario.horizon + 1):
                 self.tell_faults(second, log.journal)
                 log.executive.step()
-                self.rules.look(second, self.plant.telemetry)
+                self.rules.look(second, self.plant.telemetry, self.plant.on_bus)
                 log.observer.look(second, self.plant.telemetry)
                 if second % PROGRESS_PERIOD_S == 0:
                     listener.progress(second, log.doing)

@@ -131,6 +131,9 @@ _TELEMETRY = (
     Channel("tracker.state", "", "str", 0, "tracking | blind | failed | off: star tracker"),
     Channel("acs.estimate_sigma_rad", "rad", "float", 1e-7, "standard deviation that the filter gives its attitude"),
     Channel("acs.actuators", "", "str", 0, "wheels | unloading | thrusters"),
+    Channel("sun_sensor.x", "", "float", 1e-4, "the Sun's direction as its sensors see it, body +X; 0: none"),
+    Channel("sun_sensor.y", "", "float", 1e-4, "the same along +Y"),
+    Channel("sun_sensor.z", "", "float", 1e-4, "the same along +Z"),
 )
 TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})
 

@@ -31,6 +31,10 @@ _BLOCK = 256
 class Sensors:
     """Gyro, star tracker and Sun sensors."""
 
+    READINGS: ClassVar[Mapping[str, int]] = {
+        f"sun_sensor.{axis}": law.SUN_READING + place for place, axis in enumerate("xyz")
+    }
+
     def __init__(self, config: SpacecraftConfig, generator: Generator, attitude_IB: Quaternion) -> None:
         self._generator = generator
         self.memory: Memory = np.zeros(law.SENSORS_SIZE)

@@ -56,9 +56,9 @@ def sense(s: Memory, attitude: Memory, rate: Memory, sun_I: Memory, noise: Memor
     by = sy + w * ty - (z * tx - x * tz)
     bz = sz + w * tz - (x * ty - y * tx)
     s[SUN_SEEN] = s[SUN_WORKS]
-    s[SUN_READING] = bx + s[SUN_NOISE] * noise[12]
-    s[SUN_READING + 1] = by + s[SUN_NOISE] * noise[13]
-    s[SUN_READING + 2] = bz + s[SUN_NOISE] * noise[14]
+    s[SUN_READING] = s[SUN_WORKS] * (bx + s[SUN_NOISE] * noise[12])
+    s[SUN_READING + 1] = s[SUN_WORKS] * (by + s[SUN_NOISE] * noise[13])
+    s[SUN_READING + 2] = s[SUN_WORKS] * (bz + s[SUN_NOISE] * noise[14])
     sun_cosine = bx * s[TRACKER_AXIS] + by * s[TRACKER_AXIS + 1] + bz * s[TRACKER_AXIS + 2]
     square = rate[0] * rate[0] + rate[1] * rate[1] + rate[2] * rate[2]
     blind = square > s[TRACKER_RATE_LIMIT] * s[TRACKER_RATE_LIMIT] or sun_cosine > s[SUN_EXCLUSION_COS]

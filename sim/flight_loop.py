@@ -277,6 +277,7 @@ class FlightLoop:
                 (units.wheels, _W),
                 (units.thrusters, _R),
                 (units.power, _P),
+                (units.sensors, _S),
                 (units.estimator, _F),
                 (units.engine, _N),
                 (units.recorder, _D),

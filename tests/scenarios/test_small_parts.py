@@ -1,53 +1,14 @@
-"""Flight rules, times and words."""
+"""Times, words and boards."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenarios.flight_rules import FLIGHT_RULES, RuleWatch
 from scenarios.recording.boards import HeaderLane
 from scenarios.times import clock, seconds_of
 from scenarios.words import Reasons, in_words
-from sim import Spacecraft, SpacecraftConfig
-
-PLANTED: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("no-thrust-while-exposing", {"micas.state": "exposing", "ips.state": "thrusting"}),
-    ("no-turn-while-exposing", {"micas.state": "exposing", "acs.state": "slewing"}),
-    ("bus-voltage", {"power.bus": "undervoltage"}),
-    ("battery-floor", {"battery.soc": 0.39}),
-    ("wheel-speed", {"wheels.speed_3_rad_s": -625.0}),
-)
-
-
-@pytest.fixture(scope="module")
-def healthy() -> dict[str, Any]:
-    return dict(Spacecraft(SpacecraftConfig(), 0).telemetry())
-
-
-def test_every_rule_is_planted() -> None:
-    assert {rule.name for rule in FLIGHT_RULES} == {name for name, _ in PLANTED}
-
-
-@pytest.mark.parametrize(("name", "changes"), PLANTED)
-def test_a_broken_rule_is_caught_from_its_first_to_its_last_second(
-    healthy: dict[str, Any], name: str, changes: dict[str, Any]
-) -> None:
-    watch = RuleWatch()
-    for second in range(20):
-        watch.look(second, healthy | changes if second in (5, 6, 7, 12, 19) else healthy)
-    found = [(v.rule, v.start, v.end) for v in watch.violations()]
-    assert found == [(name, 5, 7), (name, 12, 12), (name, 19, 19)]
-
-
-def test_half_of_a_condition_breaks_nothing(healthy: dict[str, Any]) -> None:
-    watch = RuleWatch()
-    for changes in ({"micas.state": "exposing"}, {"ips.state": "thrusting"}, {"acs.state": "slewing"}):
-        watch.look(0, healthy | changes)
-    assert watch.violations() == ()
 
 
 @settings(max_examples=200, derandomize=True)
