@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from scenarios.campaign.verbs import compare_campaigns, fly_campaign
+from scenarios.interrupt import interruptible
 from scenarios.progress import progress_bar
 from scenarios.status import BAD_INPUT, DONE, FELL_SHORT, INTERRUPTED
 
@@ -118,7 +119,7 @@ def run_scenario(
         raise ScenarioError("--fault and --no-faults contradict each other")
     loaded = load(scenario)
     faults = chosen_faults(loaded, [] if no_faults else fault)
-    with progress_bar(loaded.name, loaded.horizon, as_json) as (progress, warn):
+    with progress_bar(loaded.name, loaded.horizon, as_json) as (progress, warn), interruptible() as check:
         from scenarios.folder import folder_to_resume, new_folder
         from scenarios.report import write_report
         from scenarios.run import Flight, Listener, RunOptions
@@ -127,7 +128,7 @@ def run_scenario(
         flight = Flight(loaded, RunOptions(seed, faults, images))
         folder = folder_to_resume(out) if resume else new_folder(out, loaded.name)
         try:
-            summary = flight.fly(folder, Listener(progress, warn), resume)
+            summary = flight.fly(folder, Listener(progress, warn, check), resume)
         except KeyboardInterrupt:
             warn(f"interrupted; what was written so far is readable: {folder}")
             raise typer.Exit(INTERRUPTED) from None

@@ -50,10 +50,14 @@ class RunOptions:
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Who follows a run. `progress`: told the simulation second and what is going on; `warn`: a line for a person."""
+    """Who follows a run. `progress`: told the simulation second and what is going on; `warn`: a line for a person.
+
+    `check`: called every second, and may end the run by raising.
+    """
 
     progress: Callable[[int, str], None] = lambda second, doing: None
     warn: Callable[[str], None] = lambda text: None
+    check: Callable[[], None] = lambda: None
 
 
 def run(scenario: Scenario, options: RunOptions, folder: Path, listener: Listener | None = None) -> dict[str, Any]:
@@ -102,6 +106,7 @@ class Flight:
                 log.executive.step()
                 self.rules.look(second, self.plant.telemetry, self.plant.on_bus)
                 log.observer.look(second, self.plant.telemetry)
+                listener.check()
                 if second % PROGRESS_PERIOD_S == 0:
                     listener.progress(second, log.doing)
             log.executive.finish()
