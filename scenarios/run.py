@@ -78,7 +78,7 @@ class Flight:
         config = scenario.spacecraft_config()
         self.spacecraft = Spacecraft(config, options.seed)
         self.plant = SpacecraftPlant(self.spacecraft, BINDINGS.channels())
-        self.model = build_model(capability_of(config))
+        self.model = build_model(capability_of(config, scenario.horizon))
         self.rules = RuleWatch()
         self.plans: tuple[AdoptedPlan, ...] = ()
         self.pending_faults = sorted(options.faults, key=lambda fault: fault.at)

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, fields
 
 from sim.errors import ConfigurationError
+from sim.orbits import Elements
 from sim.quaternion import Vector, dot
 
 TARGET_KINDS = ("earth", "thrust", "asteroid")
@@ -19,26 +20,29 @@ ATTITUDE_SOURCES = ("estimator", "truth")
 class Target:
     """Something to point at. `kind` says which body axis goes there: antenna, thrust or camera boresight.
 
-    `direction_I`: its direction in the inertial frame (any length but null). `angular_diameter_rad`: what the camera
-    sees of it, 0 for a point.
+    `direction_I`: its direction in the inertial frame at time 0 (any length but null). `angular_diameter_rad`: what the
+    camera sees of it then, 0 for a point. `distance_au`: how far off it is then, on a circular orbit about the Sun; 0:
+    at infinity, the direction never changes. `orbit`: a body's elements, instead of direction and distance.
     """
 
     name: str
     kind: str
-    direction_I: Vector
+    direction_I: Vector = (1.0, 0.0, 0.0)
     angular_diameter_rad: float = 0.0
+    distance_au: float = 0.0
+    orbit: Elements | None = None
 
 
-# Assumption: one sky of a cruise year. The Sun on +X of the inertial frame; thrust headings across the Sun line,
-# asteroids on the night side, none near the Sun.
+# Assumption: one sky of a cruise year. At time 0 the Sun on +X of the inertial frame, whose X-Y plane is the ecliptic;
+# thrust headings across the Sun line, asteroids on the night side, none near the Sun. The Earth is 1 AU from the Sun.
 DEFAULT_TARGETS = (
-    Target("earth", "earth", (0.7660, 0.6428, 0.0)),
+    Target("earth", "earth", (0.7660, 0.6428, 0.0), 0.0, 1.534),
     Target("thrust_a", "thrust", (0.1045, 0.9945, 0.0)),
     Target("thrust_b", "thrust", (-0.2079, 0.9744, 0.0872)),
-    Target("asteroid_a", "asteroid", (-0.8660, 0.4830, 0.1294), 1.2e-3),
-    Target("asteroid_b", "asteroid", (-0.9397, -0.3368, 0.0602), 8.0e-4),
-    Target("asteroid_c", "asteroid", (-0.6428, 0.7544, -0.1330), 5.0e-4),
-    Target("asteroid_d", "asteroid", (-0.3420, -0.9254, -0.1632), 1.0e-3),
+    Target("asteroid_a", "asteroid", (-0.8660, 0.4830, 0.1294), 1.2e-3, 0.5),
+    Target("asteroid_b", "asteroid", (-0.9397, -0.3368, 0.0602), 8.0e-4, 1.2),
+    Target("asteroid_c", "asteroid", (-0.6428, 0.7544, -0.1330), 5.0e-4, 0.8),
+    Target("asteroid_d", "asteroid", (-0.3420, -0.9254, -0.1632), 1.0e-3, 0.6),
 )
 
 
@@ -50,10 +54,12 @@ class SpacecraftConfig:
     time_step_s: float = 0.5
     quiet_time_step_s: float = 1.0
     control_period_s: int = 1
-    # surroundings
+    # surroundings: the Sun at time 0, from a circular orbit; or the spacecraft's own elements instead of the two
     targets: tuple[Target, ...] = DEFAULT_TARGETS
     sun_direction_I: Vector = (1.0, 0.0, 0.0)
     sun_distance_au: float = 1.01
+    orbit: Elements | None = None
+    sky_period_s: int = 60
     initial_target: str = "earth"
     # attitude control (assumptions: slew rate, acceleration, settling)
     slew_rate_limit_rad_s: float = math.radians(0.15)
@@ -171,6 +177,11 @@ class SpacecraftConfig:
     def _check_steps(self) -> None:
         if self.control_period_s < 1:
             raise ConfigurationError(f"control_period_s: expected at least 1, found {self.control_period_s}")
+        if self.sky_period_s < 1 or self.sky_period_s % self.control_period_s:
+            raise ConfigurationError(
+                f"sky_period_s: expected a multiple of control_period_s ({self.control_period_s} s), "
+                f"found {self.sky_period_s}"
+            )
         for name in ("time_step_s", "quiet_time_step_s"):
             step = getattr(self, name)
             if step == 0.0 or not (self.control_period_s / step).is_integer():
@@ -192,6 +203,8 @@ class SpacecraftConfig:
                 )
             if not 0.0 < dot(target.direction_I, target.direction_I) < math.inf:
                 raise ConfigurationError(f"{where}: expected a direction with a length, found {target.direction_I}")
+            if not 0.0 <= target.distance_au < math.inf:
+                raise ConfigurationError(f"{where}: expected a distance of at least 0, found {target.distance_au} AU")
         if not 0.0 < dot(self.sun_direction_I, self.sun_direction_I) < math.inf:
             raise ConfigurationError(f"sun_direction_I: expected a direction, found {self.sun_direction_I}")
         if self.initial_target not in names:

@@ -78,7 +78,6 @@ class AttitudeControl:
         for place in (law.ATTITUDE, law.START, law.REFERENCE, law.TARGET):
             m[place : place + 4] = attitude_IB
         m[law.AXIS] = m[law.RATE_FACTOR] = m[law.SETTLED] = 1.0
-        self._target_IB = attitude_IB
         self.mode = "standby"
         self.target = target
 
@@ -105,19 +104,29 @@ class AttitudeControl:
         """Size of the angular rate, as last observed."""
         return float(self.memory[law.RATE_SIZE])
 
+    @property
+    def attitude_IB(self) -> Quaternion:
+        """The attitude as last observed."""
+        w, x, y, z = self.memory[law.ATTITUDE : law.ATTITUDE + 4].tolist()
+        return (w, x, y, z)
+
     def point(self, mode: str, target: str, target_IB: Quaternion) -> None:
-        """Go to `target_IB` and hold it. The target and mode already held stay as they are, settled if they were."""
-        same = target == self.target and target_IB == self._target_IB
+        """Go to `target_IB` and hold it. The target already held stays as it is, settled if it was."""
         self.mode = mode
-        if same:
+        if target == self.target:
             return
         self.target = target
-        self._target_IB = target_IB
         m = self.memory
         m[law.TARGET : law.TARGET + 4] = target_IB
         m[law.SETTLED] = m[law.QUIET_S] = 0.0
         m[law.BRAKING] = 1.0
         m[law.ERROR] = law.small_angle(m, law.TARGET)
+
+    def track(self, target_IB: Quaternion) -> None:
+        """Where the target asks to look by now; a slew under way ends first where it was to end."""
+        m = self.memory
+        if m[law.BRAKING] == 0.0 and m[law.DONE] >= m[law.WAY]:
+            m[law.TARGET : law.TARGET + 4] = m[law.REFERENCE : law.REFERENCE + 4] = target_IB
 
     def observe(self, dt_s: float, attitude_IB: Quaternion, rate_B: Vector) -> None:
         """See where the spacecraft is after `dt_s` more, and judge whether it is settled."""

@@ -134,6 +134,8 @@ _TELEMETRY = (
     Channel("sun_sensor.x", "", "float", 1e-4, "the Sun's direction as its sensors see it, body +X; 0: none"),
     Channel("sun_sensor.y", "", "float", 1e-4, "the same along +Y"),
     Channel("sun_sensor.z", "", "float", 1e-4, "the same along +Z"),
+    Channel("sun.distance_au", "AU", "float", 1e-5, "distance of the Sun, from the ephemeris on board"),
+    Channel("earth.light_time_s", "s", "float", 0.1, "what a signal takes to the Earth"),
 )
 TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})
 

@@ -258,6 +258,8 @@ class FlightLoop:
         period = float(config.control_period_s)
         self._steps = (round(period / config.time_step_s), config.time_step_s)
         self._quiet_steps = (round(period / config.quiet_time_step_s), config.quiet_time_step_s)
+        self._sunlight_1au_N = config.solar_pressure_1au_Pa * config.sunlit_area_m2
+        self._array_1au_W = config.array_power_1au_W
         self._physics = physics
         self._sensors = units.sensors
         self._block: Memory = np.zeros(_END + 25)
@@ -301,11 +303,18 @@ class FlightLoop:
         return values
 
     def look_around(self, environment: Environment, time_s: float) -> None:
-        """Take the directions of Sun and Earth at `time_s`, and what of the light reaches body and wings."""
+        """Take the directions of Sun and Earth at `time_s`, and how strong the sunlight is."""
         e = self.surroundings
         e[SUN_I : SUN_I + 3] = environment.sun_direction_I(time_s)
         e[EARTH_I : EARTH_I + 3] = environment.direction_I(environment.earth, time_s)
-        qpos = self._physics.qpos_view
+        weakened = 1.0 / environment.sun_distance_au(time_s) ** 2
+        e[SUNLIGHT_N] = self._sunlight_1au_N * weakened
+        self._block[_P + power.NORMAL_W] = self._array_1au_W * weakened
+        self.feel_light()
+
+    def feel_light(self) -> None:
+        """What of the light reaches body and wings, and what the loads leave of it."""
+        e, qpos = self.surroundings, self._physics.qpos_view
         sun_in_body(e, qpos)
         look_to_earth(e, qpos)
         light = wings.incidence(float(qpos[11]), float(qpos[12]), float(e[SUN_B]), float(e[SUN_B + 2]))

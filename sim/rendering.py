@@ -86,8 +86,9 @@ class Renderer:
         data.mocap_pos[0] = -_TARGET_DISTANCE_M * forward
         for target in self._environment.targets.values():
             direction = np.array(self._environment.direction_I(target.name, time_s))
-            if target.angular_diameter_rad > 0.0 and direction @ forward > math.cos(_LOOK_RAD):
-                radius = _TARGET_DISTANCE_M * math.tan(0.5 * target.angular_diameter_rad)
+            diameter_rad = self._environment.angular_diameter_rad(target.name, time_s)
+            if diameter_rad > 0.0 and direction @ forward > math.cos(_LOOK_RAD):
+                radius = _TARGET_DISTANCE_M * math.tan(0.5 * diameter_rad)
                 self._model.geom_size[body] = radius * np.array([1.0, 0.82, 0.7])
                 self._model.geom_rbound[body] = radius
                 data.mocap_pos[0] = position + _TARGET_DISTANCE_M * direction

@@ -26,7 +26,7 @@ from sim.components.thrusters import Thrusters
 from sim.components.wheels import Wheels
 from sim.components.wings import Wings
 from sim.config import SpacecraftConfig
-from sim.control import AttitudeControl
+from sim.control import AttitudeControl, profile_duration_s
 from sim.dictionary import TELECOMMANDS, TELEMETRY, TERMINALS, TelemetryValue, round_telemetry, why_wrong
 from sim.environment import Environment
 from sim.errors import ConfigurationError
@@ -36,7 +36,7 @@ from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
 from sim.flight_loop import FlightLoop, Units
 from sim.kernels import Memory
 from sim.physics import Physics
-from sim.quaternion import Quaternion, Vector, rotate_inverse
+from sim.quaternion import Quaternion, Vector, angle_between, rotate_inverse
 from sim.rendering import Renderer
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
@@ -60,6 +60,8 @@ class RecordedState:
     mass_kg: float
     thrust_I_N: Vector
     sun_direction_I: Vector
+    sun_distance_au: float
+    heliocentric_position_I_m: Vector
     active_faults: tuple[str, ...]
 
 
@@ -70,6 +72,7 @@ class Spacecraft:
         streams = np.random.SeedSequence(seed).spawn(len(_GENERATORS))
         generators = {name: np.random.default_rng(stream) for name, stream in zip(_GENERATORS, streams, strict=True)}
         self._config = config
+        self._ticks = 0
         self._assembly = load_assembly(config.time_step_s)
         self.environment = Environment(config)
         attitude_IB = self.environment.target_attitude_IB(config.initial_target, 0.0)
@@ -113,7 +116,7 @@ class Spacecraft:
         )
         self._loop = FlightLoop(config, self._physics, units, self._new_surroundings())
         self._surroundings = self._loop.surroundings
-        self._loop.look_around(self.environment, 0.0)
+        self._follow_sky()
         self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
         # Units whose telemetry changes only when something is switched, and whether it has been since the last look.
         self._switched_units = (
@@ -126,7 +129,6 @@ class Spacecraft:
             self._camera,
         )
         self._switched = True
-        self._ticks = 0
         self._was_undervoltage = False
         self._renderer: Renderer | None = None
         self._balance()
@@ -189,6 +191,7 @@ class Spacecraft:
             self._switched = False
             for unit in self._switched_units:
                 values.update(round_telemetry({**unit.telemetry()}))
+            values.update(round_telemetry({**self.environment.telemetry(self._looked_s)}))
         *readings, settled, tracker_valid, actuators = self._loop.readings()
         values.update(zip(self._loop.channels, readings, strict=True))
         values["acs.state"] = "settled" if settled else "slewing"
@@ -222,6 +225,8 @@ class Spacecraft:
             mass_kg=self._assembly.total_mass_kg - self._propellant_used_kg,
             thrust_I_N=self._thrust_I_N,
             sun_direction_I=self.environment.sun_direction_I(self.time),
+            sun_distance_au=self.environment.sun_distance_au(self.time),
+            heliocentric_position_I_m=self.environment.position_I_m(self.time),
             active_faults=self._faults.active,
         )
 
@@ -264,7 +269,6 @@ class Spacecraft:
     def _new_surroundings(self) -> Memory:
         config = self._config
         e = loop.surroundings()
-        e[loop.SUNLIGHT_N] = config.solar_pressure_1au_Pa * config.sunlit_area_m2 / config.sun_distance_au**2
         e[loop.PRESSURE_CENTRE : loop.PRESSURE_CENTRE + 3] = config.pressure_centre_B_m
         e[loop.BEAM_COS] = math.cos(config.antenna_half_beam_rad)
         e[loop.USE_TRUTH] = config.attitude_source == "truth"
@@ -282,6 +286,8 @@ class Spacecraft:
             changed = self._operate_camera(dt_s) or changed
         changed = self._loop.after(dt_s) or changed
         self._ticks += 1
+        if self.time % self._config.sky_period_s == 0:
+            self._follow_sky()
         if changed or self._was_undervoltage:
             self._balance()
         if self._faults.update(self.time):
@@ -317,7 +323,17 @@ class Spacecraft:
         self._surroundings[loop.THRUST_N] = self._engine.thrust_N
         load_W = self._engine.power_W + self._camera.power_W + self._radio.power_W + board.power_W
         self._power.memory[SWITCHED_W] = load_W
+        self._loop.feel_light()
+
+    def _follow_sky(self) -> None:
+        """Sun, Earth and targets move on: look again, and go on pointing at what is pointed at."""
+        self._switched, self._looked_s = True, float(self.time)
+        self.environment.gain(self._looked_s, self._physics.velocity_I)
         self._loop.look_around(self.environment, float(self.time))
+        self._control.track(self._attitude_at(float(self.time)))
+
+    def _attitude_at(self, time_s: float) -> Quaternion:
+        return self.environment.target_attitude_IB(self._control.target, time_s)
 
     def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
         if name.startswith("ips.") and not self._switchboard.fed("neb2"):
@@ -345,7 +361,11 @@ class Spacecraft:
         return actions[name]()
 
     def _point(self, mode: str, target: str) -> str | None:
-        self._control.point(mode, target, self.environment.target_attitude_IB(target, float(self.time)))
+        """Aim at where the target will be when the slew arrives."""
+        here_IB, now_s = self._control.attitude_IB, float(self.time)
+        angle_rad = angle_between(here_IB, self.environment.target_attitude_IB(target, now_s))
+        arrival_s = now_s + profile_duration_s(angle_rad, self._config)
+        self._control.point(mode, target, self.environment.target_attitude_IB(target, arrival_s))
         return None
 
     def _choose_actuators(self, name: str) -> str | None:

@@ -7,27 +7,30 @@ from math import ceil, floor
 from scenarios.ds1.domain import Capability
 from sim import SpacecraftConfig
 from sim.components.ion_engine import THROTTLE_TABLE
-from sim.control import slew_bounds
 from sim.environment import Environment
+from sim.slews import slew_bounds_between
 
 EXPOSURE_S = 30.0
 """Commanded exposure of a navigation image."""
 OBSERVED_LATE_S = 2
 """The hardware acts on whole seconds and telemetry shows it a second later."""
+SAMPLE_S = 21_600
+"""How often the Sun's distance is looked at over a horizon."""
 POWER_RESERVE_W = 20.0
 """Kept back from what the arrays give, for pointing that is never perfect."""
 
 
-def capability_of(config: SpacecraftConfig) -> Capability:
-    """The capabilities of a spacecraft of this configuration, at its own Sun distance."""
+def capability_of(config: SpacecraftConfig, horizon_s: int = 0) -> Capability:
+    """What a spacecraft of this configuration can do at any time up to the horizon, as the sky moves around it."""
     sky = Environment(config)
     turns = {
         (a, b): (bounds.lower_s, bounds.upper_s + OBSERVED_LATE_S)
         for a in sky.targets
         for b in sky.targets
-        for bounds in [slew_bounds(sky.slew_angle(a, b, 0.0), config)]
+        for bounds in [slew_bounds_between(sky, config, a, b, 0.0, horizon_s)]
     }
-    array_W = config.array_power_1au_W / config.sun_distance_au**2
+    farthest_au = max(sky.sun_distance_au(time_s) for time_s in range(0, horizon_s + 1, SAMPLE_S))
+    array_W = config.array_power_1au_W / max(farthest_au, sky.sun_distance_au(horizon_s)) ** 2
     read_out = config.camera_readout_s
     return Capability(
         targets=tuple(sky.targets),

@@ -147,15 +147,16 @@ def test_sunlight_loads_the_wheels_by_its_torque():
     config = SpacecraftConfig(wheel_dry_Nm=0.0, wheel_viscous_Nms=0.0)
     craft = Spacecraft(config, 1)
     before = np.array(craft.angular_momentum_I())
+    craft.advance(3600)
+    halfway = craft.state_for_recording()
     craft.advance(7200)
     gained = np.array(craft.angular_momentum_I()) - before
     force_N = config.solar_pressure_1au_Pa * config.sunlit_area_m2 / config.sun_distance_au**2
-    state = craft.state_for_recording()
     from sim.quaternion import cross, rotate, rotate_inverse
 
-    sun_B = rotate_inverse(state.attitude_IB, state.sun_direction_I)
+    sun_B = rotate_inverse(halfway.attitude_IB, halfway.sun_direction_I)
     torque_B = cross(config.pressure_centre_B_m, tuple(-force_N * part for part in sun_B))
-    assert gained == pytest.approx(7200.0 * np.array(rotate(state.attitude_IB, torque_B)), rel=1e-3, abs=1e-6)
+    assert gained == pytest.approx(7200.0 * np.array(rotate(halfway.attitude_IB, torque_B)), rel=1e-3, abs=1e-6)
 
 
 def test_no_power_on_neb1s_no_thrusters():
