@@ -11,6 +11,7 @@ from planner.model.manager import ModelManager
 from planner.problem import TokenPattern
 from planner.temporal.network import TemporalNetworkManager
 from planner.tokens.manager import TokenNetworkManager
+from planner.tokens.path import TokenPath
 from planner.tokens.statements import apply_pattern
 from planner.tokens.token import Role, Token
 from planner.trail import Trail
@@ -38,7 +39,7 @@ class PlanDatabase:
             declared = self.model.predicate_named(pattern.predicate)
         except ModelError as error:
             raise ProblemError(f"{name}: {error}") from error
-        token = self.tokens.create((declared.cls, declared.name), name, role, name)
+        token = self.tokens.create((declared.cls, declared.name), TokenPath.of(name), role, name)
         apply_pattern(self.tokens, token, pattern)
         start, end = self.horizon
         if role in ("goal", "rejectable"):

@@ -10,18 +10,36 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from planner.constraints.procedure import ConstraintProcedure
+from planner.constraints.variables import (
+    UNBOUNDED,
+    AnyVariable,
+    DurationVariable,
+    Named,
+    Owner,
+    TimeVariable,
+    Variable,
+)
 from planner.domains import Domain, Interval
 from planner.temporal.network import INFINITY, TemporalNetworkManager
 from planner.trail import Trail
 
-Owner = Any
-"""Who posted a constraint or restricted a domain: a decision, a rule instance, the problem. Compared by `is`."""
+__all__ = [
+    "AnyVariable",
+    "Constraint",
+    "ConstraintNetworkManager",
+    "DurationVariable",
+    "Inconsistency",
+    "Moment",
+    "Owner",
+    "Propagator",
+    "TimeVariable",
+    "Variable",
+    "ticks",
+]
 
-UNBOUNDED = 1 << 49
-"""A timepoint's bound from here on says nothing."""
 FAR = UNBOUNDED + (UNBOUNDED >> 1)
 """Where the bounds of a timepoint begin, give or take its drift."""
 DRIFT = 1 << 16
@@ -41,82 +59,6 @@ class Inconsistency(Exception):  # noqa: N818 - the field's word; it is a signal
         self.because = because
         self.variable = variable
         self.cycle = cycle
-
-
-class Variable:
-    """A variable with its domain. `owner`: who made it. `latest`: the index of its latest change in the log, or -1."""
-
-    __slots__ = ("domain", "latest", "name", "owner", "watchers")
-
-    def __init__(self, name: str, domain: Domain, owner: Owner) -> None:
-        self.name = name
-        self.domain: Domain = domain
-        self.owner = owner
-        self.watchers: list[Propagator] = []
-        self.latest = -1
-
-    def __repr__(self) -> str:
-        return f"{self.name}={self.domain!r}"
-
-
-class TimeVariable:
-    """A timepoint as a variable: its domain is what the temporal network says. `narrowings`: the temporal constraints
-    that restricted it."""
-
-    __slots__ = ("name", "narrowings", "owner", "temporal", "timepoint", "watchers")
-
-    def __init__(self, name: str, timepoint: int, temporal: TemporalNetworkManager, owner: Owner) -> None:
-        self.name = name
-        self.timepoint = timepoint
-        self.temporal = temporal
-        self.owner = owner
-        self.watchers: list[Propagator] = []
-        self.narrowings: list[int] = []
-
-    @property
-    def domain(self) -> Domain:
-        """The timepoint's bounds."""
-        lower, upper = self.temporal.lower(self.timepoint), self.temporal.upper(self.timepoint)
-        return Interval(lower if lower > -UNBOUNDED else -math.inf, upper if upper < UNBOUNDED else math.inf)
-
-    def __repr__(self) -> str:
-        return f"{self.name}={self.domain!r}"
-
-
-class DurationVariable:
-    """The distance from one timepoint to another as a variable: what is stated of it, within the bounds of both ends.
-
-    Of a duration that nature decides (`by_nature`) only what is stated counts: what the network wants of it is no
-    reason for nature. `latest`: the index of the latest change of `stated` in the log, or -1. `narrowings`: the
-    temporal constraints that restricted it.
-    """
-
-    __slots__ = ("by_nature", "end", "latest", "name", "narrowings", "owner", "start", "stated", "watchers")
-
-    def __init__(self, name: str, start: TimeVariable, end: TimeVariable, stated: Interval, owner: Owner) -> None:
-        self.name = name
-        self.start = start
-        self.end = end
-        self.stated = stated
-        self.owner = owner
-        self.watchers: list[Propagator] = []
-        self.narrowings: list[int] = []
-        self.latest = -1
-        self.by_nature = False
-
-    @property
-    def domain(self) -> Domain:
-        """What the constraints on the distance and, but for nature's choice, the bounds of both ends leave."""
-        if self.by_nature:
-            return self.stated
-        start, end = self.start.domain, self.end.domain
-        return self.stated.bounded(end.lower - start.upper, end.upper - start.lower)
-
-    def __repr__(self) -> str:
-        return f"{self.name}={self.domain!r}"
-
-
-AnyVariable = Variable | TimeVariable | DurationVariable
 
 
 class Propagator(Protocol):
@@ -215,15 +157,15 @@ class ConstraintNetworkManager:
 
     # Variables
 
-    def variable(self, name: str, domain: Domain, owner: Owner) -> Variable:
+    def variable(self, name: str, domain: Domain, owner: Owner, of: Named | None = None) -> Variable:
         """A new variable. It lives as long as its owner does; nothing needs undoing until it is constrained."""
-        return Variable(name, domain, owner)
+        return Variable(name, domain, owner, of)
 
-    def timepoint(self, name: str, lower: float, upper: float, owner: Owner) -> TimeVariable:
+    def timepoint(self, name: str, lower: float, upper: float, owner: Owner, of: Named | None = None) -> TimeVariable:
         """A new timepoint within [lower, upper] ticks; bounds that say something are constraints of the owner."""
         drift = min(DRIFT * self.temporal.timepoint_count, UNBOUNDED >> 2)
         point = self.temporal.add_timepoint(drift - FAR, drift + FAR)
-        variable = TimeVariable(name, point, self.temporal, owner)
+        variable = TimeVariable(name, point, self.temporal, owner, of)
         if lower > -math.inf or upper < math.inf:
             self._post_edge(self.temporal.ORIGIN, variable.timepoint, lower, upper, owner)
         return variable

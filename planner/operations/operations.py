@@ -18,6 +18,7 @@ from planner.operations.register import Register
 from planner.operations.restricting import restrict, variable_of
 from planner.operations.retraction import Retraction, Unsuited
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction, Statement
+from planner.tokens.path import TokenPath
 from planner.tokens.token import GIVEN, Token, TokenState
 
 
@@ -97,7 +98,7 @@ class Operations:
         if thing not in found.object.domain:
             raise ValueError(f"{found.name}: expected one of {found.object.domain!r}, found {thing}")
         attribute = found.predicate.attribute if found.kind == "timeline" else ""
-        operation = self._operation(Insertion(found.name, thing.name, attribute))
+        operation = self._operation(Insertion(found.path, thing.name, attribute))
         if attribute:
             sequence = self.database.tokens.timelines[thing, found.predicate.attribute].sequence
             if not 0 <= position <= len(sequence):
@@ -115,18 +116,17 @@ class Operations:
         predicate = found.predicate
         if predicate is not other.predicate or predicate.solitary or found.must_host:
             raise ValueError(f"{found.name}: cannot be one with {other!r}")
-        return self._issue(self._operation(Codesignation(found.name, other.name)))
+        return self._issue(self._operation(Codesignation(found.path, other.path)))
 
     def restrict(self, variable: AnyVariable, domain: Domain) -> Operation | Refusal:
         """Restrict a variable of a token or of a rule to a domain."""
         tokens = self.database.tokens
         if tokens.variables.get(variable.name) is variable:
-            return self._issue(self._operation(Restriction("", variable.name, domain)))
-        path, _, name = variable.name.rpartition(".")
-        token = tokens.by_name.get(path)
-        if token is None or token.variable(name) is not variable:
+            return self._issue(self._operation(Restriction(None, variable.name, domain)))
+        token = variable.of
+        if not isinstance(token, Token) or tokens.by_path.get(token.path) is not token:
             raise ValueError(f"{variable.name}: expected a variable of a token or of a rule, with a name of its own")
-        return self._issue(self._operation(Restriction(path, name, domain)))
+        return self._issue(self._operation(Restriction(token.path, variable.part, domain)))
 
     def undo(self, operation: Operation) -> None:
         """Make the plan that of the other operations.
@@ -190,7 +190,7 @@ class Operations:
         return False
 
     def _order_matters(self) -> bool:
-        return any(map(self._is_displaced, self._register.hopeful(self.database.tokens.by_name.keys())))
+        return any(map(self._is_displaced, self._register.hopeful(self.database.tokens.by_path.keys())))
 
     def _is_displaced(self, operation: Operation) -> bool:
         """Whether a dormant operation waits for more than something that is not there: which of two operations that
@@ -200,7 +200,7 @@ class Operations:
             return True
         if isinstance(statement, Restriction):
             return False
-        token = self.database.tokens.by_name.get(statement.token)
+        token = self.database.tokens.by_path.get(statement.token)
         return token is not None and token.state is not TokenState.INACTIVE
 
     def _drop_levels(self, count: int) -> None:
@@ -237,7 +237,7 @@ class Operations:
         again = True
         while again:
             again = False
-            for operation in self._register.hopeful(self.database.tokens.by_name.keys()):
+            for operation in self._register.hopeful(self.database.tokens.by_path.keys()):
                 if operation.number <= self._count and self._is_ready(operation):
                     again |= self._enter(operation)
 
@@ -266,22 +266,22 @@ class Operations:
         tokens, statement = self.database.tokens, operation.statement
         if isinstance(statement, Restriction):
             return variable_of(self.database, statement) is not None
-        token = tokens.by_name.get(statement.token)
+        token = tokens.by_path.get(statement.token)
         if token is None or token.state is not TokenState.INACTIVE:
             return False
         if isinstance(statement, Insertion):
             return True
-        host = tokens.by_name.get(statement.host)
+        host = tokens.by_path.get(statement.host)
         return host is not None and host.state is TokenState.ACTIVE
 
     def _apply(self, operation: Operation) -> None:
         tokens, statement = self.database.tokens, operation.statement
         if isinstance(statement, Codesignation):
-            tokens.merge(tokens.by_name[statement.token], tokens.by_name[statement.host], operation)
+            tokens.merge(tokens.by_path[statement.token], tokens.by_path[statement.host], operation)
             return
         restrict(self.database, operation)
         if isinstance(statement, Insertion):
-            token = tokens.by_name[statement.token]
+            token = tokens.by_path[statement.token]
             if statement.attribute:
                 self._take_slot(operation, token)
             else:
@@ -295,7 +295,7 @@ class Operations:
         before, position = lineup.predecessor(operation), 0
         if before is not None:
             assert isinstance(before.statement, Insertion)
-            position = sequence.index(tokens.by_name[before.statement.token]) + 1
+            position = sequence.index(tokens.by_path[before.statement.token]) + 1
         edge = network.posted
         tokens.insert(token, position, operation)
         if position > 0:
@@ -308,10 +308,10 @@ class Operations:
 
     def _token(self, token: Token | str) -> Token:
         """The token of a name, or a token that is the one of its name."""
-        name = token if isinstance(token, str) else token.name
-        found = self.database.tokens.by_name.get(name)
+        path = TokenPath.of(token) if isinstance(token, str) else token.path
+        found = self.database.tokens.by_path.get(path)
         if found is None or (found is not token and not isinstance(token, str)):
-            raise ValueError(f"{name!r}: expected the name of a single token of the plan")
+            raise ValueError(f"{str(path)!r}: expected the name of a single token of the plan")
         return found
 
     def _open(self, token: Token | str) -> Token:

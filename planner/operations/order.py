@@ -6,6 +6,7 @@ import math
 
 from planner.database import PlanDatabase
 from planner.operations.statements import Operation
+from planner.tokens.path import TokenPath
 from planner.tokens.token import Token
 
 
@@ -41,27 +42,27 @@ class Precedences:
 
     def __init__(self, database: PlanDatabase) -> None:
         self._database = database
-        self._bonds: dict[str, list[tuple[int, str]]] = {}
+        self._bonds: dict[TokenPath, list[tuple[int, TokenPath]]] = {}
 
     def note(self, edge: int, first: Token, second: Token) -> None:
         """A temporal constraint lets one token end before another starts."""
-        for one, other in ((first.name, second.name), (second.name, first.name)):
+        for one, other in ((first.path, second.path), (second.path, first.path)):
             self._database.trail.append(self._bonds.setdefault(one, []), (edge, other))
 
     def of(self, token: Token) -> list[int]:
         """The constraints that bind a token."""
-        return [edge for edge, _ in self._bonds.get(token.name, ())]
+        return [edge for edge, _ in self._bonds.get(token.path, ())]
 
     def forget(self, token: Token) -> None:
         """The constraints that bind a token are taken out."""
-        trail, bonds = self._database.trail, self._bonds.get(token.name, [])
+        trail, bonds = self._database.trail, self._bonds.get(token.path, [])
         for other in {other for _, other in bonds}:
-            trail.set(self._bonds, other, [bond for bond in self._bonds[other] if bond[1] != token.name])
+            trail.set(self._bonds, other, [bond for bond in self._bonds[other] if bond[1] != token.path])
         if bonds:
-            trail.set(self._bonds, token.name, [])
+            trail.set(self._bonds, token.path, [])
 
     def link(self, first: Token, second: Token) -> None:
         """Let neighbours follow each other, unless they do."""
-        if all(other != second.name for _, other in self._bonds.get(first.name, ())):
+        if all(other != second.path for _, other in self._bonds.get(first.path, ())):
             edge = self._database.network.distance(first.end, second.start, 0, math.inf, second.placed_by)
             self.note(edge, first, second)

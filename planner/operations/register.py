@@ -6,7 +6,8 @@ from collections.abc import Iterator, KeysView
 from itertools import takewhile
 
 from planner.operations.order import Lineup
-from planner.operations.statements import Codesignation, Insertion, Operation, Restriction
+from planner.operations.statements import Codesignation, Insertion, Operation
+from planner.tokens.path import TokenPath
 
 
 class Register:
@@ -15,9 +16,9 @@ class Register:
     def __init__(self) -> None:
         self.issued: dict[int, Operation] = {}
         self.waiting: dict[int, Operation] = {}
-        self._asleep: dict[str, dict[int, Operation]] = {}
+        self._asleep: dict[TokenPath | None, dict[int, Operation]] = {}
         self._lineups: dict[tuple[str, str], Lineup] = {}
-        self._about: dict[str, list[Operation]] = {}
+        self._about: dict[TokenPath | str, list[Operation]] = {}
 
     def enter(self, operation: Operation) -> None:
         """A new operation."""
@@ -35,7 +36,7 @@ class Register:
         if lineup is not None:
             lineup.leave(operation)
 
-    def about(self, name: str) -> Iterator[Operation]:
+    def about(self, name: TokenPath | str) -> Iterator[Operation]:
         """The operations in force that speak of a token, or of a rule's variable, with this path."""
         return (o for o in self._about.get(name, ()) if o.depth is not None)
 
@@ -48,9 +49,9 @@ class Register:
         """The dormant operations in order of issue."""
         return [self.waiting[number] for number in sorted(self.waiting)]
 
-    def hopeful(self, names: KeysView[str]) -> list[Operation]:
-        """The dormant operations, in order of issue, whose token is among those of these names, or that name none."""
-        there = self._asleep.keys() & names | self._asleep.keys() & {""}
+    def hopeful(self, names: KeysView[TokenPath]) -> list[Operation]:
+        """The dormant operations, in order of issue, whose token is among those of these paths, or that name none."""
+        there = self._asleep.keys() & names | self._asleep.keys() & {None}
         return sorted((o for name in there for o in self._asleep[name].values()), key=lambda o: o.number)
 
     def _fall_asleep(self, operation: Operation) -> None:
@@ -85,10 +86,8 @@ class Register:
         return None
 
 
-def _names(operation: Operation) -> tuple[str, ...]:
+def _names(operation: Operation) -> tuple[TokenPath | str, ...]:
     statement = operation.statement
     if isinstance(statement, Codesignation):
         return statement.token, statement.host
-    if isinstance(statement, Restriction) and not statement.token:
-        return (statement.variable,)
-    return (statement.token,)
+    return (statement.variable if statement.token is None else statement.token,)

@@ -22,12 +22,12 @@ def restrict(database: PlanDatabase, operation: Operation) -> None:
     elif isinstance(statement, Insertion):
         tokens = database.tokens
         thing = tokens.domain_of_object(database.model.objects[statement.object])
-        database.network.restrict(tokens.by_name[statement.token].object, thing, operation)
+        database.network.restrict(tokens.by_path[statement.token].object, thing, operation)
 
 
 def variable_of(database: PlanDatabase, statement: Restriction) -> AnyVariable | None:
     """The variable that a restriction speaks of, if it is there."""
-    if not statement.token:
+    if statement.token is None:
         return database.tokens.variables.get(statement.variable)
-    token = database.tokens.by_name.get(statement.token)
+    token = database.tokens.by_path.get(statement.token)
     return None if token is None else token.variable(statement.variable)

@@ -125,7 +125,7 @@ class Retraction:
             self.edges.update(extent.edges)
             self._drop_changes(variable, operation)
             return
-        token = tokens.by_name[statement.token]
+        token = tokens.by_path[statement.token]
         self.released[id(token)] = token
         if isinstance(statement, Codesignation):
             self._withdraw(extent)
@@ -135,8 +135,8 @@ class Retraction:
         self._drop_changes(token.object, operation)
         self.edges.update(self.precedences.of(token))
         self._owners.extend(token.rules)
-        for other in self.register.about(token.name):
-            if isinstance(other.statement, Codesignation) and other.statement.host == token.name:
+        for other in self.register.about(token.path):
+            if isinstance(other.statement, Codesignation) and other.statement.host == token.path:
                 self._owners.append(other)
 
     def _withdraw(self, extent: Extent) -> None:
@@ -157,7 +157,7 @@ class Retraction:
             return
         self.destroyed[id(token)] = token
         self.dead.update(map(id, (token.object, token.duration, *token.parameters.values())))
-        self._owners.extend(self.register.about(token.name))
+        self._owners.extend(self.register.about(token.path))
 
     def _remove(self, propagator: Propagator) -> None:
         if id(propagator) in self.propagators:
@@ -380,8 +380,7 @@ class Retraction:
         for cut in self.cuts.values():
             if cut.last < math.inf:
                 continue
-            path, _, _ = cut.variable.name.rpartition(".")
-            for name in (path, cut.variable.name):
-                for operation in self.register.about(name):
-                    if isinstance(operation.statement, Restriction | Insertion):
-                        restrict(self.database, operation)
+            of = cut.variable.of
+            for operation in self.register.about(of.path if isinstance(of, Token) else cut.variable.name):
+                if isinstance(operation.statement, Restriction | Insertion):
+                    restrict(self.database, operation)

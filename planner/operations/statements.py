@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from planner.domains import Domain
 from planner.tokens.instance import Extent
+from planner.tokens.path import TokenPath
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,7 +14,7 @@ class Insertion:
     """A token becomes active on an object. `attribute`: the one on whose timeline it gets a slot, or "" when it needs
     none."""
 
-    token: str
+    token: TokenPath
     object: str
     attribute: str
 
@@ -25,8 +26,8 @@ class Insertion:
 class Codesignation:
     """A token is one with a host that has a slot."""
 
-    token: str
-    host: str
+    token: TokenPath
+    host: TokenPath
 
     def __repr__(self) -> str:
         return f"codesignate {self.token} with {self.host}"
@@ -34,15 +35,15 @@ class Codesignation:
 
 @dataclass(frozen=True, slots=True)
 class Restriction:
-    """A variable is within a domain. `token`: the path of the token whose variable it is; "": a rule's own variable,
+    """A variable is within a domain. `token`: the path of the token whose variable it is; None: a rule's own variable,
     which `variable` names in full."""
 
-    token: str
+    token: TokenPath | None
     variable: str
     domain: Domain
 
     def __repr__(self) -> str:
-        where = f"{self.token}." if self.token else ""
+        where = f"{self.token}." if self.token is not None else ""
         return f"restrict {where}{self.variable} to {self.domain!r}"
 
 

@@ -31,6 +31,7 @@ from planner.model.rules import (
     Statement,
     Subgoal,
 )
+from planner.tokens.path import TokenPath
 from planner.tokens.token import Token
 
 if TYPE_CHECKING:
@@ -167,8 +168,9 @@ def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], ins
 
 def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleInstance) -> None:
     master = instance.token
-    name = f"{master.name}/{instance.path}{statement.name}" if master is not None else instance.path + statement.name
-    token = manager.create(statement.predicate, name, "subgoal", instance, master)
+    step = instance.path + statement.name
+    path = TokenPath.of(step) if master is None else master.path.then(step)
+    token = manager.create(statement.predicate, path, "subgoal", instance, master)
     instance.names[statement.name] = token
     if statement.target is not None:
         target = resolve(manager, statement.target, instance)

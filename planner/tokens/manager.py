@@ -8,7 +8,7 @@ from functools import reduce
 from operator import or_
 from typing import Any
 
-from planner.constraints.network import AnyVariable, ConstraintNetworkManager, DurationVariable, Owner, Variable
+from planner.constraints.network import AnyVariable, ConstraintNetworkManager, Owner, Variable
 from planner.constraints.procedure import ConstraintProcedure
 from planner.constraints.temporal_forms import post_temporal
 from planner.domains import Domain, Interval, Universe, Values, singleton
@@ -17,8 +17,10 @@ from planner.model.classes import ModelObject, objects_in
 from planner.model.manager import ModelManager
 from planner.model.resources import USES
 from planner.model.rules import Statement
+from planner.tokens.form import Form, form_of
 from planner.tokens.instance import Extent, GuardInstance, Named, RuleInstance, carry_out
 from planner.tokens.openness import OpenTokens
+from planner.tokens.path import TokenPath
 from planner.tokens.resources import PendingUse, Resource
 from planner.tokens.timeline import Timeline, may_codesignate
 from planner.tokens.token import Role, Token, TokenState
@@ -31,7 +33,7 @@ class TokenNetworkManager:
     Every change is trailed. `open` are the inactive tokens, `undecided` the variables that a complete
     plan must bind in order of creation, `settled` those that had one value from the start, `alternatives` those that
     choose between the alternatives of a rule of a token that the problem states: the order of a search never depends on
-    what was undone before. `by_name` are the tokens by their paths and `variables` the variables that rules have of
+    what was undone before. `by_path` are the tokens by their paths and `variables` the variables that rules have of
     their own; of two with one name, the first.
     """
 
@@ -41,7 +43,8 @@ class TokenNetworkManager:
         self.trail = trail
         self.names: dict[str, Named] = {}
         self.tokens: list[Token] = []
-        self.by_name: dict[str, Token] = {}
+        self.by_path: dict[TokenPath, Token] = {}
+        self._forms: dict[tuple[str, str], Form] = {}
         self.variables: dict[str, Variable] = {}
         self._named: list[Variable] = []
         self.open = OpenTokens(network, trail)
@@ -71,37 +74,25 @@ class TokenNetworkManager:
     # Tokens come and go
 
     def create(
-        self, predicate: tuple[str, str], name: str, role: Role, owner: Owner, master: Token | None = None
+        self, predicate: tuple[str, str], path: TokenPath, role: Role, owner: Owner, master: Token | None = None
     ) -> Token:
         """A new inactive token of `(class, predicate)` with its parameter constraints."""
-        cls, _ = predicate
-        declared = self.model.predicate(*predicate)
-        network = self.network
-        start = network.timepoint(f"{name}.start", -math.inf, math.inf, owner)
-        end = network.timepoint(f"{name}.end", -math.inf, math.inf, owner)
-        token = Token(
-            self.tokens[-1].id + 1 if self.tokens else 0,
-            name,
-            declared,
-            self.model.kind_of(declared),
-            network.variable(f"{name}.object", self.model.objects_of(cls), owner),
-            (start, end, DurationVariable(f"{name}.duration", start, end, Interval(*declared.duration), owner)),
-            {
-                p.name: network.variable(f"{name}.{p.name}", self.model.domain_of(p.type), owner)
-                for p in declared.parameters
-            },
-            role,
-            owner,
-            master,
-        )
-        instance = RuleInstance(f"predicate {declared.full_name}", token)
-        network.distance(start, end, *declared.duration, instance)
+        form = self._forms.get(predicate) or self._form(predicate)
+        token = Token(self.network, self.tokens[-1].id + 1 if self.tokens else 0, path, form, role, owner, master)
+        instance = RuleInstance(form.label, token)
+        self.network.distance(token.start, token.end, form.duration.lower, form.duration.upper, instance)
         self.trail.append(self.tokens, token)
-        if name not in self.by_name:
-            self.trail.add(self.by_name, name, token)
+        if path not in self.by_path:
+            self.trail.add(self.by_path, path, token)
         self.open.add(token)
-        self.carry_out(declared.body, instance)
+        self.carry_out(form.predicate.body, instance)
         return token
+
+    def _form(self, predicate: tuple[str, str]) -> Form:
+        form = form_of(self.model, *predicate)
+        if form.is_settled:
+            self._forms[predicate] = form
+        return form
 
     def insert(self, token: Token, position: int, owner: Owner) -> None:
         """Put an inactive token into the empty slot at a position of its timeline; its object must be decided."""
@@ -160,6 +151,10 @@ class TokenNetworkManager:
     def open_tokens(self) -> dict[int, Token]:
         """The inactive tokens by number, in order of creation."""
         return self.open.all()
+
+    def named(self, name: str) -> Token | None:
+        """The token whose path has this text."""
+        return self.by_path.get(TokenPath.of(name))
 
     # Where a token may go
 

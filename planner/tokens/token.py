@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 from enum import IntEnum
 from typing import Literal
 
-from planner.constraints.network import AnyVariable, DurationVariable, Owner, TimeVariable, Variable
-from planner.model.classes import Kind, ModelObject, Predicate
+from planner.constraints.network import AnyVariable, ConstraintNetworkManager, DurationVariable, Owner, Variable
+from planner.model.classes import ModelObject
+from planner.tokens.form import Form
 from planner.tokens.groups import OpenGroup, Rank
+from planner.tokens.path import TokenPath
 
 # goal: must be achieved; rejectable: may be left out; fact: is true and seeks no support; state: holds at the start of
 # the horizon, its rules apply; subgoal: some token's configuration constraint asks for it.
@@ -29,7 +31,7 @@ class TokenState(IntEnum):
 class Token:
     """A value token: a predicate name, variables for start, end and duration, and one for each parameter.
 
-    `name` is a path: the statement's name, then the names of the subgoals that lead here. `owner`: who asked for the
+    `path` is its name: that of the statement, then those of the subgoals that lead here. `owner`: who asked for the
     token; `placed_by`: the decision that made it active, or None; `master`: the token whose configuration constraint
     asked for it, or None; `depth`: how many of them up. `must_host`: the problem says that it is active, so it gets a
     slot of its own and is codesignated with nothing.
@@ -45,10 +47,10 @@ class Token:
         "kind",
         "master",
         "must_host",
-        "name",
         "object",
         "owner",
         "parameters",
+        "path",
         "placed_by",
         "predicate",
         "rank",
@@ -61,29 +63,28 @@ class Token:
 
     def __init__(
         self,
+        network: ConstraintNetworkManager,
         number: int,
-        name: str,
-        predicate: Predicate,
-        kind: Kind,
-        object_: Variable,
-        times: tuple[TimeVariable, TimeVariable, DurationVariable],
-        parameters: Mapping[str, Variable],
+        path: TokenPath,
+        form: Form,
         role: Role,
         owner: Owner,
         master: Token | None,
     ) -> None:
         self.id = number
-        self.name = name
-        self.predicate = predicate
-        self.kind = kind
-        self.object = object_
-        self.start, self.end, self.duration = times
-        self.parameters = parameters
-        self.role = role
+        self.path = path
+        self.predicate = form.predicate
+        self.kind = form.kind
+        self.start = network.timepoint("start", -math.inf, math.inf, owner, self)
+        self.end = network.timepoint("end", -math.inf, math.inf, owner, self)
+        self.duration = DurationVariable("duration", self.start, self.end, form.duration, owner, self)
+        self.duration.by_nature = form.predicate.contingent
+        self.object = Variable("object", form.objects, owner, self)
+        self.parameters = {name: Variable(name, domain, owner, self) for name, domain in form.parameters}
+        self.role: Role = role
         self.owner = owner
         self.master = master
         self.depth: int = master.depth + 1 if master is not None else 0
-        self.duration.by_nature = predicate.contingent
         self.state = TokenState.INACTIVE
         self.host: Token | None = None
         self.placed_by: Owner | None = None
@@ -94,6 +95,11 @@ class Token:
         # What a search found out about the token, and the bounds for which it did: a cache, never undone.
         self.rank: Rank = ()
         self.rank_key: tuple[int, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The path as text."""
+        return str(self.path)
 
     @property
     def thing(self) -> ModelObject:

@@ -35,8 +35,8 @@ def destroy(manager: TokenNetworkManager, token: Token) -> None:
     place = bisect_left(manager.tokens, token.id, key=attrgetter("id"))
     del manager.tokens[place]
     manager.trail.call(manager.tokens.insert, place, token)
-    if manager.by_name.get(token.name) is token:
-        drop(manager.trail, manager.by_name, token.name)
+    if manager.by_path.get(token.path) is token:
+        drop(manager.trail, manager.by_path, token.path)
     forget_timepoint(manager.network, token.start)
     forget_timepoint(manager.network, token.end)
 

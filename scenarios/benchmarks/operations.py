@@ -25,6 +25,7 @@ from planner.problem import TokenPattern
 from planner.search.collector import patient_collector
 from planner.search.decisions import Assign, Codesignate, Decision, Insert
 from planner.search.flaws import next_flaw
+from planner.tokens.path import TokenPath
 from scenarios.benchmarks.problems import altern_model
 
 SAMPLES, REPLAYS = 40, 2
@@ -75,7 +76,7 @@ def shows(tokens: int) -> Operations:
     for number in range(tokens):
         operations.insert(f"show{number}", "line", number)
         operations.codesignate(f"show{number}/on0", "lit")
-        colours = database.tokens.by_name[f"show{number}"].parameters["colour"]
+        colours = database.tokens.by_path[TokenPath.of(f"show{number}")].parameters["colour"]
         assert isinstance(colours.domain, Values)
         operations.restrict(colours, colours.domain.keep(["red"]))
     return operations

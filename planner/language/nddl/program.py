@@ -38,6 +38,7 @@ from planner.language.nddl.values import Literals
 from planner.model import rules
 from planner.model.classes import ModelObject
 from planner.tokens.instance import RuleInstance, evaluate, resolve
+from planner.tokens.path import TokenPath
 from planner.tokens.token import Role, Token
 
 PROBLEM = (Assignment, Constraint, Declaration, Either, ForEach, Goal, If, Method, Relation, Requirement)
@@ -194,7 +195,7 @@ class _Execution:
             predicate, owner = self.scope.predicate_of(target.path, target.at)
             name = target.name or f"{node.kind}_{len(self.tokens.tokens) + 1}"
             role: Role = node.kind
-            token = self.tokens.create(predicate, name, role, instance)
+            token = self.tokens.create(predicate, TokenPath.of(name), role, instance)
             self._name(name, token)
             if owner is not None:
                 thing = resolve(self.tokens, owner, instance)

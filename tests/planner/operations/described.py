@@ -16,7 +16,7 @@ def described(database: PlanDatabase) -> dict[str, Any]:
     tokens = database.tokens
     alive = {t.name: t for t in tokens.tokens}
     assert len(alive) == len(tokens.tokens), "token paths repeat"
-    assert alive == tokens.by_name
+    assert {t.path: t for t in tokens.tokens} == tokens.by_path
     return {
         "tokens": {name: _token(t) for name, t in alive.items()},
         "rule variables": {name: repr(v.domain) for name, v in tokens.variables.items()},

@@ -66,12 +66,13 @@ class Rebuilt:
 
     def apply(self, record: Record) -> bool:
         tokens, statement = self.database.tokens, record.statement
-        named = {t.name: t for t in tokens.tokens}
+        named = {t.path: t for t in tokens.tokens}
         if isinstance(statement, Restriction):
-            token = named.get(statement.token)
-            variable = tokens.variables.get(statement.variable) if not statement.token else None
-            if token is not None:
-                variable = token.variable(statement.variable)
+            if statement.token is None:
+                variable = tokens.variables.get(statement.variable)
+            else:
+                token = named.get(statement.token)
+                variable = None if token is None else token.variable(statement.variable)
             if variable is None:
                 return False
             Assign(variable, None, statement.domain).apply(self.database)

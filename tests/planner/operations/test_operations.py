@@ -7,12 +7,19 @@ import pytest
 from planner.domains import Interval
 from planner.operations import Operation, Operations, Refusal
 from planner.operations.retraction import Retraction
+from planner.tokens.token import Token
 from tests.planner.operations.worlds import altern, camera, switches
 
 
 def issued(done: Operation | Refusal) -> Operation:
     assert isinstance(done, Operation)
     return done
+
+
+def named(operations: Operations, name: str) -> Token:
+    found = operations.database.tokens.named(name)
+    assert found is not None
+    return found
 
 
 def test_what_a_token_asks_for_goes_with_it_and_operations_on_it_sleep() -> None:
@@ -58,10 +65,10 @@ def duration_decides() -> tuple[Operations, Operation]:
     operations = Operations(switches())
     operations.insert("two", "line2")
     operations.insert("two/2:step0", "line2")
-    token = operations.database.tokens.by_name["two/2:step0"]
+    token = named(operations, "two/2:step0")
     operations.restrict(token.start, Interval(2, 2))
     end = issued(operations.restrict(token.end, Interval(5, 5)))
-    operations.restrict(operations.database.tokens.by_name["one"].end, Interval(0, 30))
+    operations.restrict(named(operations, "one").end, Interval(0, 30))
     assert repr(token.parameters["size"].domain) == "[3 3]"
     return operations, end
 
@@ -69,7 +76,7 @@ def duration_decides() -> tuple[Operations, Operation]:
 def test_what_was_derived_from_times_goes_with_them() -> None:
     operations, end = duration_decides()
     operations.undo(end)
-    assert repr(operations.database.tokens.by_name["two/2:step0"].parameters["size"].domain) == "[1 5]"
+    assert repr(named(operations, "two/2:step0").parameters["size"].domain) == "[1 5]"
 
 
 def test_a_reader_of_times_forgotten_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
