@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from planner.errors import PlanFormatError
+from planner.files import write_whole
 
 FORMAT = 1
 ORIGIN = "origin"
@@ -156,13 +157,7 @@ class FlexiblePlan:
 
     def save(self, path: Path) -> None:
         """Write the plan file: whole or, when broken off, not at all. OSError when it cannot be written."""
-        part = path.with_name(f"{path.name}.part")
-        try:
-            part.write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
-            part.replace(path)
-        except OSError:
-            part.unlink(missing_ok=True)
-            raise
+        write_whole(path, json.dumps(self.to_json(), indent=1) + "\n")
 
     @classmethod
     def load(cls, path: Path) -> FlexiblePlan:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -22,6 +23,8 @@ from planner.search.collector import patient_collector
 from planner.search.engines import ENGINES
 from planner.search.outcome import Limits, Outcome
 from planner.temporal.network import TemporalNetworkManager
+from scenarios.drawing.svg import save as save_drawing
+from scenarios.errors import ScenarioError
 
 DEFAULT_HORIZON = (0, 1000)
 """For a file that gives none, as ticks."""
@@ -108,6 +111,18 @@ def plan_file(
             raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")
         planning = _Planning(model, program, report, span, engine)
         return planning.run(_limits(program, max_seconds, max_steps), started)
+
+
+def write_files(answer: PlanAnswer, out: Path | None, svg: Path | None) -> None:
+    """Write the plan file and the drawing that are asked for, if there is a plan; ScenarioError when one cannot be."""
+    if answer.plan is None:
+        return
+    for option, path, save in (("--out", out, answer.plan.save), ("--svg", svg, partial(save_drawing, answer.plan))):
+        if path is not None:
+            try:
+                save(path)
+            except OSError as error:
+                raise ScenarioError(f"{option} {path}: {error.strerror}") from error
 
 
 def _load_kernel() -> None:

@@ -1,0 +1,1 @@
+"""A flexible plan as a picture: timelines, bounds, and the temporal constraints between them (paper, Figure 1)."""
