@@ -10,7 +10,7 @@ from executive.monitor import FaultRecord
 from executive.records import AdoptedPlan
 from scenarios.config import FaultSection, Scenario
 from scenarios.flight_rules import FLIGHT_RULES, RuleViolation
-from scenarios.words import Reasons
+from scenarios.words import Reasons, most_like
 
 OUTCOMES = ("failed", "standby", "degraded", "completed")
 """From worst to best."""
@@ -80,15 +80,23 @@ def _plan(adopted: AdoptedPlan, reasons: Reasons) -> dict[str, Any]:
 
 
 def _faults(injected: Sequence[FaultSection], detected: Sequence[FaultRecord]) -> list[dict[str, Any]]:
-    """What was injected and what was detected, matched in order of time: the executive does not know the former."""
+    """What was injected and what was detected, matched by the words they share: the executive knows only the latter."""
     rows: list[dict[str, Any]] = []
-    open_detections = sorted(detected, key=lambda d: d.detected)
-    for fault in sorted(injected, key=lambda f: f.at):
-        match = next((d for d in open_detections if d.detected >= fault.at), None)
-        if match is not None:
-            open_detections.remove(match)
-        rows.append({"name": fault.name, "injected": fault.at} | _detection(match))
-    rows.extend({"name": d.monitor, "injected": None} | _detection(d) for d in open_detections)
+    unseen = sorted(injected, key=lambda f: f.at)
+    matches: dict[int, FaultRecord] = {}
+    others: list[FaultRecord] = []
+    for record in sorted(detected, key=lambda d: d.detected):
+        there = {
+            f.name: n for n, f in reversed(list(enumerate(unseen))) if f.at <= record.detected and n not in matches
+        }
+        name = most_like(reversed(there), record.monitor, record.diagnosis)
+        if name is None:
+            others.append(record)
+        else:
+            matches[there[name]] = record
+    for number, fault in enumerate(unseen):
+        rows.append({"name": fault.name, "injected": fault.at} | _detection(matches.get(number)))
+    rows.extend({"name": d.monitor, "injected": None} | _detection(d) for d in others)
     return rows
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 _KINDS = {
@@ -44,3 +45,16 @@ def in_words(reason: str) -> str:
         return "the first plan"
     kind, colon, detail = reason.partition(": ")
     return f"{_KINDS[kind]}: {detail}" if colon and kind in _KINDS else reason
+
+
+def most_like(names: Iterable[str], *texts: str | None) -> str | None:
+    """The name that has most words in common with the texts, of equals the first; None without names.
+
+    What is detected aboard has another name than what was injected, and often only that it speaks of the same device.
+    """
+    said = {word for text in texts if text for word in re.split(r"[\W_]+", text.lower())}
+
+    def shared(name: str) -> int:
+        return len(said.intersection(re.split(r"[\W_]+", name.lower())))
+
+    return max(names, key=shared, default=None)

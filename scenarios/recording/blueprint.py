@@ -9,7 +9,7 @@ from typing import Any
 import rerun as rr
 import rerun.blueprint as rrb
 
-from scenarios.recording.boards import GOALS_PATHS, HEADER_PATH
+from scenarios.recording.boards import FAULTS_PATH, GOALS_PATHS, HEADER_PATH
 from scenarios.recording.network import BOUNDS, COLUMNS, NETWORK, STEP_X, STEP_Y
 from scenarios.recording.scene import CAMERA_IMAGE, WORLD, Scene
 from scenarios.recording.stream import TIMELINE
@@ -22,6 +22,7 @@ CHASE = "/camera/chase"
 CAMERA_FALLBACK = "/camera/micas"
 LANES_A_TAB = 7
 _LANE_HEIGHT, _HEADER_HEIGHT, _VIEWS_HEIGHT = 71.0, 142.0, 810.0
+_LEGEND = 0.17  # of the mission, kept free at the right of the plot of bounds for its legend
 _MARGIN = 0.025  # of the mission at either end, so that the first and the last label of an axis fit
 
 
@@ -35,8 +36,10 @@ class Layout:
 
     def __init__(self, start: float, end: float) -> None:
         bound, margin = rrb.TimeRangeBoundary.absolute, _MARGIN * (end - start)
-        span = rr.TimeRange(start=bound(seconds=start - margin), end=bound(seconds=end + margin))
-        self._axis = rrb.TimeAxis(view_range=span)
+        first = bound(seconds=start - margin)
+        self._axis = rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=bound(seconds=end + margin)))
+        beyond = bound(seconds=end + _LEGEND * (end - start))
+        self._axis_beside_legend = rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=beyond))
 
     def build(
         self,
@@ -65,7 +68,7 @@ class Layout:
         )
 
     def _mission(self, lane_paths: Sequence[str]) -> list[Any]:
-        """As many tabs as the lanes need, with the header lane on top of each; goals and events under them."""
+        """As many tabs as the lanes need, with the header lane on top of each; goals, faults and events under them."""
         count = max(1, math.ceil(len(lane_paths) / LANES_A_TAB))
         size = max(1, math.ceil(len(lane_paths) / count))
         groups = [lane_paths[i * size : (i + 1) * size] for i in range(count)]
@@ -79,8 +82,14 @@ class Layout:
             )
             below = rrb.Horizontal(
                 *(self._goals(path) for path in GOALS_PATHS),
-                self._log("What happened", ["INFO", "WARN", "ERROR"]),
-                column_shares=[1, 1, 1.2],
+                rrb.Vertical(
+                    rrb.StateTimelineView(
+                        origin=FAULTS_PATH, name="Faults, from injection to recovery", time_view=self._axis
+                    ),
+                    self._log("What happened", ["INFO", "WARN", "ERROR"]),
+                    row_shares=[1, 1.3],
+                ),
+                column_shares=[1, 1, 1.5],
             )
             lanes = _LANE_HEIGHT * len(group) + _HEADER_HEIGHT
             name = "Mission" if number == 1 else f"Mission {number}"
@@ -130,7 +139,7 @@ class Layout:
         funnels = rrb.TimeSeriesView(
             origin=BOUNDS,
             name="Start bounds narrowing until execution, minutes after the first earliest start",
-            axis_x=self._axis,
+            axis_x=self._axis_beside_legend,
             plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         )
         return rrb.Vertical(graph, funnels, row_shares=[1.3, 1], name="Plan network")

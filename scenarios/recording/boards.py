@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 from scenarios.recording.lanes import Block, Lane
 from scenarios.recording.style import AMBER, BLUE, DARK_RED, FADED_RED, GREEN, GREY, ORANGE, RED, dim
+from scenarios.words import most_like
 
 HEADER_PATH = "/mission/0_plan_planner_fault_goals"
+FAULTS_PATH = "/faults"
 GOALS_PATHS = ("/goals/left", "/goals/right")
 _PLAN, _PLANNER, _FAULT, _GOALS = range(4)
 _PLAN_COLOURS = (BLUE, 0x0F766EFF, 0x5B43C8FF, 0x3F6212FF)
@@ -30,11 +32,18 @@ class _Fault:
 
 @dataclass
 class HeaderLane:
-    """Four lines: the plan in force, what the planner is at, the active faults, the tally of goals."""
+    """Four lines: the plan in force, what the planner is at, the active faults, the tally of goals.
+
+    `each_fault`: a lane of its own, with a line for each fault from the moment that it occurs until it is gone; a fault
+    that comes again has the line that it had.
+    """
 
     lane: Lane = field(default_factory=lambda: Lane(HEADER_PATH, 4))
+    each_fault: Lane = field(default_factory=lambda: Lane(FAULTS_PATH, 0))
     plans: int = 0
     _faults: dict[str, _Fault] = field(default_factory=dict)
+    _fault_lines: dict[str, int] = field(default_factory=dict)
+    _seen_by: dict[str, str] = field(default_factory=dict)
     _latest_fault: str | None = None
 
     def plan(self, plan_id: str, reason: str, handover: int) -> None:
@@ -93,26 +102,43 @@ class HeaderLane:
         self._draw_faults(time)
 
     def fault_detected(self, time: int, name: str, diagnosis: str) -> str:
-        """The executive noticed. A name that was not injected is taken for the oldest fault that is still unseen.
+        """The executive noticed. A name that was not injected is taken for the fault, still unseen, most like it.
 
         Returns the name under which the fault is shown.
         """
+        monitor = name
         if name not in self._faults:
-            name = next((known for known, fault in self._faults.items() if fault.stage == "unseen"), name)
+            unseen = [known for known, fault in self._faults.items() if fault.stage == "unseen"]
+            seen = self._seen_by.get(monitor, "")
+            name = seen if seen in self._faults else most_like(unseen, name, diagnosis) or name
+        self._seen_by[monitor] = name
         self._faults[name] = _Fault("detected", diagnosis)
         self._latest_fault = name
         self._draw_faults(time)
         return name
 
     def fault_answered(self, time: int, name: str | None, response: str) -> None:
-        """The executive responded, to the fault named or to the one detected last."""
-        if name not in self._faults:
-            name = self._latest_fault
-        if name is not None:
+        """The executive responded, to the fault that was seen under this name, or to the one detected last."""
+        name = self._shown(name)
+        if name is not None and name in self._faults:
             seen = self._faults[name].detail if self._faults[name].stage in ("detected", "answered") else ""
             known, _, _ = seen.partition("; ")
             self._faults[name] = _Fault("answered", f"{known}; {response}" if known else response)
             self._draw_faults(time)
+
+    def fault_recovered(self, time: int, name: str | None, cured: bool) -> None:
+        """A recovery worked: the fault is gone, or is still there and worked around."""
+        name = self._shown(name)
+        if name is not None and name in self._faults:
+            how = self._faults[name].detail.rpartition("; ")[2] or "recovery"
+            self._faults[name] = _Fault("handled", how if cured else f"{how}, worked around")
+            self._draw_faults(time)
+
+    def _shown(self, name: str | None) -> str | None:
+        """The name under which the fault is shown that was seen under this one."""
+        if name is None or name in self._faults:
+            return name or self._latest_fault
+        return self._seen_by.get(name, self._latest_fault)
 
     def fault_cleared(self, time: int, name: str) -> None:
         """The fault is gone."""
@@ -130,6 +156,14 @@ class HeaderLane:
             text = " | ".join(text for _, text in self.faults())
             block = Block(f"fault:{text}", text, _STAGES[worst][0])
         self.lane.put(time, _FAULT, block)
+        for name in self._faults:
+            if name not in self._fault_lines:
+                self._fault_lines[name] = self.each_fault.add_line()
+        for name, line in self._fault_lines.items():
+            fault = self._faults.get(name)
+            text = "" if fault is None else self._text(name, fault)
+            shown = None if fault is None else Block(text, text, _STAGES[fault.stage][0])
+            self.each_fault.put(time, line, shown)
 
     @staticmethod
     def _text(name: str, fault: _Fault) -> str:

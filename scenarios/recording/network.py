@@ -159,11 +159,15 @@ class _Funnel:
 
 
 class BoundsView:
-    """Funnels: earliest and latest start of chosen tokens, closing as the executive learns, ended by execution."""
+    """Funnels: earliest and latest start of chosen tokens, closing as the executive learns, ended by execution.
+
+    What the next plan has again keeps its colour, and its line in the legend.
+    """
 
     def __init__(self, palette: Palette) -> None:
         self._palette = palette
         self._funnels: dict[str, _Funnel] = {}
+        self._colours: dict[str, int] = {}
 
     def plan(self, stream: Stream, plan_id: str, plan: FlexiblePlan, handover: int) -> None:
         """Close the funnels of the plan before, and open those of this one."""
@@ -177,9 +181,12 @@ class BoundsView:
             assert base is not None
             label = token_label(token.predicate, token.parameters)
             path = f"{BOUNDS}/{entity(plan_id)}/{number}_{entity(label)}"
-            colour = lighten(self._palette.colour(token.predicate, token.parameters), 0.1 + 0.5 * (number % 3) / 2)
+            shade = 0.1 + 0.5 * (len(self._colours) % 3) / 2
+            colour = self._colours.setdefault(
+                label, lighten(self._palette.colour(token.predicate, token.parameters), shade)
+            )
             style = rr.SeriesLines(
-                names=[f"{plan_id} {label}"] * 2,
+                names=[label] * 2,
                 colors=np.array([colour, colour], np.uint32),
                 widths=[2.0, 2.0],
                 interpolation_mode="StepAfter",

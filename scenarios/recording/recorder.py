@@ -29,7 +29,7 @@ _MILESTONES = frozenset(
     (
         *("run.started", "run.finished", "plan.adopted", "plan.failed", "goal", "token.failed"),
         *("standby.entered", "standby.left"),
-        *("fault.injected", "fault.detected", "fault.response", "fault.cleared"),
+        *("fault.injected", "fault.detected", "fault.response", "fault.recovered", "fault.cleared"),
     )
 )
 _MILESTONES_SHOWN = 12
@@ -202,7 +202,12 @@ class RunRecorder:
         self._stream.flush()
 
     def _all_lanes(self) -> list[Lane]:
-        return [*(timeline.lane for timeline in self._lanes.values()), self._header.lane, *self._goals.lanes]
+        return [
+            *(timeline.lane for timeline in self._lanes.values()),
+            self._header.lane,
+            self._header.each_fault,
+            *self._goals.lanes,
+        ]
 
     def _handler_table(self) -> dict[str, Callable[[int, Mapping[str, Any]], None]]:
         header, bounds = self._header, self._bounds
@@ -222,7 +227,10 @@ class RunRecorder:
             "standby.left": lambda t, e: header.standby_left(t),
             "fault.injected": lambda t, e: header.fault_injected(t, str(e.get("name"))),
             "fault.detected": self._fault_detected,
-            "fault.response": lambda t, e: header.fault_answered(t, e.get("name"), str(e.get("response", ""))),
+            "fault.response": lambda t, e: header.fault_answered(
+                t, e.get("name") or e.get("monitor"), str(e.get("response", ""))
+            ),
+            "fault.recovered": lambda t, e: header.fault_recovered(t, e.get("monitor"), bool(e.get("cured", True))),
             "fault.cleared": lambda t, e: header.fault_cleared(t, str(e.get("name"))),
         }
 

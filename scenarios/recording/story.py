@@ -99,6 +99,10 @@ _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
     "fault.injected": lambda e: ("ERROR", f"fault occurs, unknown aboard: {e.get('name')}"),
     "fault.detected": _detected,
     "fault.response": lambda e: ("INFO", f"response: {_short(e.get('response'))}"),
+    "fault.recovered": lambda e: (
+        "INFO",
+        f"recovered: {e.get('monitor')}{'' if e.get('cured', True) else ', worked around'}",
+    ),
     "fault.cleared": lambda e: ("INFO", f"fault is gone: {e.get('name')}"),
 }
 

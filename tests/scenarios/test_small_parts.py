@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from scenarios.recording.boards import HeaderLane
 from scenarios.times import clock, seconds_of
-from scenarios.words import Reasons, in_words
+from scenarios.words import Reasons, in_words, most_like
 
 
 @settings(max_examples=200, derandomize=True)
@@ -54,3 +54,31 @@ def test_a_fault_is_handled_once_a_plan_that_knew_of_it_takes_over() -> None:
     header.requested(31, "b is broken")
     header.handed_over(40, "plan-03")
     assert header.faults() == [("a", "a: handled by plan-02"), ("b", "b: handled by plan-03"), unseen]
+
+
+def test_several_faults_keep_their_lines_from_injection_to_recovery() -> None:
+    header = HeaderLane()
+    header.fault_injected(10, "lpe-terminal-hung")
+    header.fault_injected(20, "micas-stuck-on")
+    assert header.fault_detected(30, "unconfirmed", "micas.switch stuck_on") == "micas-stuck-on"
+    assert header.fault_detected(31, "lpe.silent", "LPE terminal is silent") == "lpe-terminal-hung"
+    header.fault_answered(32, "lpe.silent", "reset LPE")
+    header.fault_answered(33, "unconfirmed", "replan")
+    header.fault_recovered(40, "lpe.silent", cured=True)
+    assert header.faults() == [
+        ("lpe-terminal-hung", "lpe-terminal-hung: handled by reset LPE"),
+        ("micas-stuck-on", "micas-stuck-on: detected, micas.switch stuck_on; replan"),
+    ]
+    header.fault_cleared(50, "lpe-terminal-hung")
+    header.fault_injected(60, "lpe-terminal-hung")
+    rows = header.each_fault.due(100)
+    assert rows[10][0] == "lpe-terminal-hung: not yet detected"
+    assert rows[40][0] == "lpe-terminal-hung: handled by reset LPE"
+    assert rows[50] == ["", "micas-stuck-on: detected, micas.switch stuck_on; replan"]
+    assert rows[60][0] == "lpe-terminal-hung: not yet detected"
+
+
+def test_what_is_detected_is_matched_by_the_words_it_shares() -> None:
+    assert most_like(["neb1-status-false", "micas-stuck-on"], "micas.switch stuck_on") == "micas-stuck-on"
+    assert most_like(["a", "b"], "nothing in common", None) == "a"
+    assert most_like([], "anything") is None
