@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
-DONE, FELL_SHORT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+from scenarios.campaign.verbs import compare_campaigns, fly_campaign
+from scenarios.interrupt import interruptible
+from scenarios.progress import progress_bar
+from scenarios.status import BAD_INPUT, DONE, FELL_SHORT, INTERRUPTED
 
 app = typer.Typer(
     add_completion=False,
@@ -28,6 +29,8 @@ stnu_app = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, help="Temporal networks with uncertainty: check and simulate."
 )
 app.add_typer(stnu_app, name="stnu")
+app.command("campaign")(fly_campaign)
+app.command("compare")(compare_campaigns)
 
 Includes = Annotated[list[Path] | None, typer.Option("-I", "--include", help="Look here for included files.")]
 Procedures = Annotated[
@@ -116,7 +119,7 @@ def run_scenario(
         raise ScenarioError("--fault and --no-faults contradict each other")
     loaded = load(scenario)
     faults = chosen_faults(loaded, [] if no_faults else fault)
-    with _progress(loaded.name, loaded.horizon, as_json) as (progress, warn):
+    with progress_bar(loaded.name, loaded.horizon, as_json) as (progress, warn), interruptible() as check:
         from scenarios.folder import folder_to_resume, new_folder
         from scenarios.report import write_report
         from scenarios.run import Flight, Listener, RunOptions
@@ -125,7 +128,7 @@ def run_scenario(
         flight = Flight(loaded, RunOptions(seed, faults, images))
         folder = folder_to_resume(out) if resume else new_folder(out, loaded.name)
         try:
-            summary = flight.fly(folder, Listener(progress, warn), resume)
+            summary = flight.fly(folder, Listener(progress, warn, check), resume)
         except KeyboardInterrupt:
             warn(f"interrupted; what was written so far is readable: {folder}")
             raise typer.Exit(INTERRUPTED) from None
@@ -275,8 +278,8 @@ def bench(
     """The project's own benchmarks, ratios beside the figures; each takes up to some minutes."""
     from planner.errors import nearest
     from scenarios.benchmarks.registry import BENCHMARKS
-    from scenarios.benchmarks.table import lines
     from scenarios.errors import ScenarioError
+    from scenarios.tables import lines
 
     chosen = names or list(BENCHMARKS)
     for name in chosen:
@@ -348,25 +351,3 @@ def stnu_simulate(
 def _print_rows(rows: list[dict[str, Any]], columns: tuple[str, str], as_json: bool) -> None:
     for row in rows:
         print(json.dumps(row) if as_json else f"{row[columns[0]]:24}{row[columns[1]]}")
-
-
-@contextmanager
-def _progress(
-    title: str, total: int, quiet: bool
-) -> Iterator[tuple[Callable[[int, str], None], Callable[[str], None]]]:
-    """Functions for progress and for warnings, on standard error: a bar if that is a terminal, else nothing."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda second, doing: None, lambda text: print(f"remote-agent: {text}", file=sys.stderr)
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True, highlight=False)) as progress:
-        task = progress.add_task(title, total=total)
-
-        def show(second: int, doing: str) -> None:
-            progress.update(task, completed=second, description=f"{title}: {doing}")
-            if doing == "planning":
-                progress.refresh()  # nothing else is told while the planner thinks
-
-        yield show, lambda text: progress.console.print(f"remote-agent: {text}", markup=False, soft_wrap=True)

@@ -96,3 +96,25 @@ class Observer:
             return
         self._recorder.image(time, pixels, "micas" if camera == "micas" else "chase", caption)
         self.images += 1
+
+
+class Unobserved:
+    """Stands where an observer does in a run of which nothing is kept."""
+
+    images = 0
+
+    def __init__(self, spacecraft: Spacecraft) -> None:
+        self._spacecraft = spacecraft
+
+    def look(self, time: int, telemetry: Mapping[str, TelemetryValue]) -> None:
+        """Nothing."""
+
+    def event(self, entry: Mapping[str, Any]) -> None:
+        """Nothing."""
+
+    def plan(self, plan_id: str, plan: FlexiblePlan, handover: int) -> None:
+        """Nothing."""
+
+    def close(self) -> None:
+        """Give the renderer back."""
+        self._spacecraft.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from typing import Any
 from executive.executive import Executive
 from executive.journal import Journal
 from executive.network import PlanNetwork
-from executive.records import Settings
+from executive.records import AdoptedPlan, Settings
 from executive.resume import Continuation, planner_of
 from planner.plan import FlexiblePlan
 from planner.planning import plan
@@ -27,7 +28,7 @@ from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
 from scenarios.flight_rules import RuleWatch
 from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, new_stream
-from scenarios.observer import Observer
+from scenarios.observer import Observer, Unobserved
 from scenarios.summary import summarize
 from scenarios.words import Reasons
 from sim import Spacecraft
@@ -49,10 +50,14 @@ class RunOptions:
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Who follows a run. `progress`: told the simulation second and what is going on; `warn`: a line for a person."""
+    """Who follows a run. `progress`: told the simulation second and what is going on; `warn`: a line for a person.
+
+    `check`: called every second, and may end the run by raising.
+    """
 
     progress: Callable[[int, str], None] = lambda second, doing: None
     warn: Callable[[str], None] = lambda text: None
+    check: Callable[[], None] = lambda: None
 
 
 def run(scenario: Scenario, options: RunOptions, folder: Path, listener: Listener | None = None) -> dict[str, Any]:
@@ -75,6 +80,7 @@ class Flight:
         self.plant = SpacecraftPlant(self.spacecraft, BINDINGS.channels())
         self.model = build_model(capability_of(config, scenario.horizon))
         self.rules = RuleWatch()
+        self.plans: tuple[AdoptedPlan, ...] = ()
         self.pending_faults = sorted(options.faults, key=lambda fault: fault.at)
         for fault in options.faults:
             self.spacecraft.inject(fault.name, fault.at, fault.until, fault.parameters)
@@ -85,22 +91,30 @@ class Flight:
         `resume`: the folder holds a run that was broken off. It is flown again from its start, on the answers that its
         journal holds, until the journal ends, and then goes on; ResumeError when it comes out differently.
         """
-        log = RunLog(self, folder, listener, resume)
+        summary = self._flown(RunLog(self, folder, listener, resume), listener)
+        (folder / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+        return summary
+
+    def fly_unrecorded(self) -> dict[str, Any]:
+        """Fly it, once, and leave nothing behind but the summary: no journal, no recording, no plan files."""
+        return self._flown(RunLog(self, None, Listener(), False), Listener())
+
+    def _flown(self, log: RunLog, listener: Listener) -> dict[str, Any]:
         try:
             for second in range(self.scenario.horizon + 1):
                 self.tell_faults(second, log.journal)
                 log.executive.step()
                 self.rules.look(second, self.plant.telemetry, self.plant.on_bus)
                 log.observer.look(second, self.plant.telemetry)
+                listener.check()
                 if second % PROGRESS_PERIOD_S == 0:
                     listener.progress(second, log.doing)
             log.executive.finish()
             log.check_caught_up()
         finally:
             log.close()
-        summary = self.summary(log)
-        (folder / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-        return summary
+        self.plans = log.executive.plans
+        return self.summary(log)
 
     def think(self, problem: Problem) -> PlanningResult:
         """The planner as the executive calls it: only dynamically controllable plans are good."""
@@ -125,29 +139,31 @@ class Flight:
             wall,
         )
         summary["sim"]["physics_steps"] = self.spacecraft.physics_steps
-        size = (log.folder / RECORDING).stat().st_size
+        size = 0 if log.folder is None else (log.folder / RECORDING).stat().st_size
         summary["recording"] = {"bytes": size, "images": log.observer.images}
         return summary
 
 
 class RunLog:
-    """The executive of a flight and all that is written down about it: journal, plans, recording."""
+    """The executive of a flight and what is written down of it: journal, plans, recording. No folder: nothing is."""
 
-    def __init__(self, flight: Flight, folder: Path, listener: Listener, resume: bool) -> None:
+    def __init__(self, flight: Flight, folder: Path | None, listener: Listener, resume: bool) -> None:
         scenario, options = flight.scenario, flight.options
         self.folder = folder
         self.listener = listener
         self.reasons = Reasons()
         self.doing = "standby"
-        self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
+        self.observer: Observer | Unobserved = Unobserved(flight.spacecraft)
+        if folder is not None:
+            self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
         settings = Settings(scenario=scenario.name, seed=options.seed, budget=scenario.deliberation)
         think: Planner = flight.think
-        path = folder / JOURNAL
-        self.continuation = Continuation(path) if resume else None
+        self.continuation = Continuation(folder / JOURNAL) if folder is not None and resume else None
         if self.continuation is not None:
             recorded, settings = planner_of(self.continuation.history, think, settings)
             think = recorded.plan
-        self.stream = OverheardStream(self.continuation or new_stream(path), self.overhear)
+        stream = io.StringIO() if folder is None else self.continuation or new_stream(folder / JOURNAL)
+        self.stream = OverheardStream(stream, self.overhear)
         self.journal = Journal(self.stream)
         goals = [goal.goal() for goal in scenario.goals]
         horizon = (0, scenario.horizon)
@@ -161,7 +177,8 @@ class RunLog:
         if entry["event"] == "plan.adopted":
             adopted = self.executive.plans[-1]
             doing = f"flying {adopted.id}"
-            adopted.plan.save(self.folder / PLANS / f"{adopted.id}.json")
+            if self.folder is not None:
+                adopted.plan.save(self.folder / PLANS / f"{adopted.id}.json")
             self.observer.plan(adopted.id, adopted.plan, adopted.handover)
         if doing is not None:
             self.doing = doing

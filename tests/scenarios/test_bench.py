@@ -7,7 +7,7 @@ import json
 import pytest
 
 from scenarios.benchmarks import registry
-from scenarios.benchmarks.table import lines
+from scenarios.tables import lines
 from tests.scenarios.commands import remote_agent
 
 FIGURES = {"ratio": 0.98765, "by_size": {"10": 1, "200": 2.5}, "rows": [{"n": 10, "us": 1.25}, {"n": 200, "us": 3}]}

@@ -1,4 +1,4 @@
-"""Figures of a benchmark as text for a person: scalars a line each, rows as tables."""
+"""Figures as text for a person: scalars a line each, rows as tables."""
 
 from __future__ import annotations
 
