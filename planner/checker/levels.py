@@ -53,8 +53,10 @@ class Levels:
     def excess(self, events: Sequence[Event], sign: int, allowed: Steps, grounded: bool = False) -> Excess | None:
         """A schedule in which `sign` times the sum of steps is above what is allowed; None when there is none.
 
-        `grounded`: only the schedule in which everything is as early as can be is looked at.
+        `grounded`: only the schedule in which everything is as early as can be is looked at. A level that is beyond its
+        limit from the beginning is judged from the first event on.
         """
+        begins_well = allowed.values[0] >= 0
         gains = [sign * event.step for event in events]
         early = [self.network.lower[e.point] + e.offset for e in events]
         late = early if grounded else [self.network.upper[e.point] + e.offset for e in events]
@@ -65,7 +67,7 @@ class Levels:
             for run in _hot_runs(gains, early, late, (first, last), bound):
                 happened = self._worst(events, gains, early, late, run)
                 total = math.fsum(gains[i] for i in happened)
-                if total > bound:
+                if total > bound and (happened or begins_well):
                     tick = max([run[0], *(early[i] for i in happened)])
                     return Excess(tick, sign * total, frozenset(events[i] for i in happened))
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 from planner.constraints.procedure import ProcedureRegistry
@@ -13,7 +14,7 @@ from planner.errors import ModelError, nearest
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
 from planner.model.relations import distances
 from planner.model.resources import USES, add_resource_predicates, resource_classes
-from planner.model.rules import ForEach, Guard, OneOf, Relate, Require, Rule, Statement, Subgoal
+from planner.model.rules import ForEach, Guard, OneOf, Ref, Relate, Require, Rule, Statement, Subgoal
 
 BASIC: dict[str, Domain] = {
     "int": Interval(-math.inf, math.inf),
@@ -22,6 +23,8 @@ BASIC: dict[str, Domain] = {
 }
 # The attribute that a timeline class has when it names none, as in NDDL, where class and attribute are one.
 STATE = "state"
+SAME_OBJECT = Ref(("object",))
+"""The target of a subgoal that the token's own object must have."""
 
 
 class ModelManager:
@@ -223,11 +226,34 @@ class ModelManager:
         return attribute.kind if attribute else "unordered"
 
     def rules_for(self, cls: str, predicate: str) -> tuple[Rule, ...]:
-        """The configuration constraint schemata of a predicate as tokens of this class have it, inherited ones last."""
+        """The configuration constraint schemata of a predicate as tokens of this class have it, inherited ones last.
+
+        What an inherited one asks of the same object is the object's own predicate, where its class declares it again.
+        """
         key = (cls, predicate)
         if key not in self._rules:
-            self._rules[key] = tuple(r for c in self.lineage(cls) for r in c.rules.get(predicate, ()))
+            own = tuple(self.class_named(cls).rules.get(predicate, ()))
+            above = (r for c in islice(self.lineage(cls), 1, None) for r in c.rules.get(predicate, ()))
+            self._rules[key] = (*own, *(replace(r, body=self._own(r.body, cls)) for r in above))
         return self._rules[key]
+
+    def _own(self, body: Sequence[Statement], cls: str) -> tuple[Statement, ...]:
+        """A body as an object of the class has it."""
+        return tuple(self._own_statement(statement, cls) for statement in body)
+
+    def _own_statement(self, statement: Statement, cls: str) -> Statement:
+        if isinstance(statement, Subgoal) and statement.target == SAME_OBJECT:
+            mine = cls, statement.predicate[1]
+            again = self.predicate(*mine) is not self.predicate(*statement.predicate)
+            return replace(statement, predicate=mine) if again else statement
+        if isinstance(statement, Guard):
+            then, otherwise = self._own(statement.then, cls), self._own(statement.otherwise, cls)
+            return replace(statement, then=then, otherwise=otherwise)
+        if isinstance(statement, ForEach):
+            return replace(statement, body=self._own(statement.body, cls))
+        if isinstance(statement, OneOf):
+            return replace(statement, branches=tuple(self._own(branch, cls) for branch in statement.branches))
+        return statement
 
     def applicable(self, values: Iterable[tuple[str, str]]) -> frozenset[Rule]:
         """The schemata that apply while attributes have values of these predicates, each given as (class, name)."""

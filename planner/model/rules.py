@@ -54,6 +54,7 @@ class Subgoal:
 
     `predicate`: (class, predicate). `target`: the object that must have it; None: any object of the class. `name`:
     by which later statements know the token. `bounds`: quantitative bounds, one pair a distance of the relation.
+    `solitary`: the interval is this token's own, which is codesignated with no other.
     """
 
     relation: str
@@ -61,6 +62,7 @@ class Subgoal:
     name: str
     target: Ref | None = None
     bounds: tuple[tuple[float, float], ...] = ()
+    solitary: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,7 +114,7 @@ class Operations:
         if other.state is not TokenState.ACTIVE:
             raise ValueError(f"{other.name}: expected an active host, found {other.state.name.lower()}")
         predicate = found.predicate
-        if predicate is not other.predicate or predicate.solitary or found.must_host:
+        if predicate is not other.predicate or found.solitary or found.must_host:
             raise ValueError(f"{found.name}: cannot be one with {other!r}")
         return self._issue(self._operation(Codesignation(found.path, other.path)))
 

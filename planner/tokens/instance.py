@@ -171,6 +171,7 @@ def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleIns
     step = instance.path + statement.name
     path = TokenPath.of(step) if master is None else master.path.then(step)
     token = manager.create(statement.predicate, path, "subgoal", instance, master)
+    token.solitary = token.solitary or statement.solitary
     instance.names[statement.name] = token
     if statement.target is not None:
         target = resolve(manager, statement.target, instance)

@@ -75,7 +75,7 @@ class Timeline:
 
 def may_seek_hosts(token: Token) -> bool:
     """Whether a token may be one with another at all."""
-    return not (token.must_host or token.predicate.solitary)
+    return not (token.must_host or token.solitary)
 
 
 def may_codesignate(token: Token, host: Token) -> bool:

@@ -34,7 +34,7 @@ class Token:
     `path` is its name: that of the statement, then those of the subgoals that lead here. `owner`: who asked for the
     token; `placed_by`: the decision that made it active, or None; `master`: the token whose configuration constraint
     asked for it, or None; `depth`: how many of them up. `must_host`: the problem says that it is active, so it gets a
-    slot of its own and is codesignated with nothing.
+    slot of its own and is codesignated with nothing. `solitary`: codesignated with nothing, and no more than that.
     """
 
     __slots__ = (
@@ -57,6 +57,7 @@ class Token:
         "rank_key",
         "role",
         "rules",
+        "solitary",
         "start",
         "state",
     )
@@ -89,6 +90,7 @@ class Token:
         self.host: Token | None = None
         self.placed_by: Owner | None = None
         self.must_host = False
+        self.solitary = predicate.solitary
         self.group: OpenGroup | None = None
         # The instances of the rules that apply to it.
         self.rules: list[Owner] = []

@@ -67,7 +67,7 @@ def build(
     except ModelError as error:
         report.complain(Complaint(statements[0].at, str(error)))
     problem = [s for s in statements if isinstance(s, PROBLEM)]
-    horizon, max_steps = _config(model)
+    horizon, max_steps = _config(model, symbols)
     report.raise_if_failed()
     return model, Program(symbols, problem, horizon, max_steps, objects.variables)
 
@@ -125,17 +125,17 @@ _CREATION: dict[type, Callable[[Any, ModelBuilder, Objects], None]] = {
 }
 
 
-def _config(model: ModelManager) -> tuple[tuple[int, int] | None, int | None]:
-    """The horizon and the limit on steps of the last PlannerConfig."""
-    configs = [thing for thing in model.objects.values() if thing.cls == CONFIG]
+def _config(model: ModelManager, symbols: Symbols) -> tuple[tuple[int, int] | None, int | None]:
+    """The horizon and the limit on steps of the last PlannerConfig, or object of a class below it."""
+    configs = [thing for thing in model.objects.values() if symbols.is_subclass(thing.cls, CONFIG)]
     if not configs:
         return None, None
     members = configs[-1].members
-    start, end = members.get("horizonStart"), members.get("horizonEnd")
+    start, end = members.get("m_horizonStart"), members.get("m_horizonEnd")
     horizon = None
     if _is_finite(start) and _is_finite(end):
         horizon = int(start), int(end)  # type: ignore[arg-type]
-    steps = members.get("maxSteps")
+    steps = members.get("m_maxPlannerSteps")
     return horizon, int(steps) if _is_finite(steps) else None  # type: ignore[arg-type]
 
 

@@ -13,7 +13,23 @@ HEADERS = frozenset(
     {"Plasma.nddl", "PlannerConfig.nddl", "Resources.nddl", "Core.nddl", "Constraints.nddl", "StringData.nddl"}
 )
 CONFIG = "PlannerConfig"
-CONFIG_MEMBERS = {"horizonStart": "int", "horizonEnd": "int", "maxSteps": "int", "maxDepth": "int"}
+LIBRARY_CLASSES: dict[str, dict[str, str]] = {
+    CONFIG: dict.fromkeys(("m_horizonStart", "m_horizonEnd", "m_maxPlannerSteps", "m_maxPlannerDepth"), "int"),
+    "StringData": {"data": "string"},
+}
+"""The classes of the headers that are nothing but their members, with the types of those."""
+DEFAULTS: dict[str, dict[str, object]] = {CONFIG: {"m_horizonStart": 0, "m_horizonEnd": 100, "m_maxPlannerSteps": 200}}
+"""The members that a constructor without arguments sets."""
+MEMBER_NAMES = {
+    "initialCapacity": "initial",
+    "levelLimitMin": "level_min",
+    "levelLimitMax": "level_max",
+    "productionRateMax": "production_rate_max",
+    "productionMax": "production_max",
+    "consumptionRateMax": "consumption_rate_max",
+    "consumptionMax": "consumption_max",
+}
+"""What the headers call the members of resources, and what the model does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +64,11 @@ CONSTRUCTORS: dict[str, tuple[BuiltInConstructor, ...]] = {
     ),
     CONFIG: _constructors(
         "",
-        "horizonStart horizonEnd",
-        "horizonStart horizonEnd maxSteps",
-        "horizonStart horizonEnd maxSteps maxDepth",
+        "m_horizonStart m_horizonEnd",
+        "m_horizonStart m_horizonEnd m_maxPlannerSteps",
+        "m_horizonStart m_horizonEnd m_maxPlannerSteps m_maxPlannerDepth",
     ),
+    "StringData": _constructors("data"),
 }
 UNBOUNDED_BY_DEFAULT = frozenset(
     {"production_rate_max", "production_max", "consumption_rate_max", "consumption_max", "level_max"}

@@ -106,7 +106,7 @@ def _merge(execution: Execution, node: Method, instance: RuleInstance) -> None:
 
 
 def _constrain(execution: Execution, node: Method, instance: RuleInstance) -> None:
-    """`object.constrain(t1, t2)`: t1 lies on the object's timeline, and before t2."""
+    """`object.constrain(t1, t2)`: both lie on the object's timeline, and t1 before t2, unless they are the same."""
     _arguments(node, 1, 2)
     tokens = [execution.token(name.path, name.at) for name in _tokens(execution, node)]
     thing = execution.database.model.objects.get(".".join(node.path))
@@ -115,7 +115,7 @@ def _constrain(execution: Execution, node: Method, instance: RuleInstance) -> No
     network = execution.database.network
     for token in tokens:
         network.restrict(token.object, execution.tokens.domain_of_object(thing), instance)
-    if len(tokens) == 2:
+    if len(tokens) == 2 and tokens[0] is not tokens[1]:
         network.distance(tokens[0].end, tokens[1].start, 0, math.inf, instance)
 
 

@@ -10,7 +10,7 @@ from planner.domains import Universe
 from planner.errors import ModelError
 from planner.language.nddl.causality import Supports
 from planner.language.nddl.errors import Complaint, Report
-from planner.language.nddl.library import CONFIG, CONFIG_MEMBERS
+from planner.language.nddl.library import LIBRARY_CLASSES
 from planner.language.nddl.scope import Scope, StateMeaning
 from planner.language.nddl.symbols import PredicateSymbol, Symbols
 from planner.language.nddl.syntax import (
@@ -33,7 +33,7 @@ from planner.language.nddl.syntax import (
 )
 from planner.language.nddl.translator import Translator
 from planner.language.nddl.values import Literals
-from planner.model.classes import Parameter
+from planner.model.classes import Parameter, Predicate
 from planner.model.manager import STATE, ModelManager
 from planner.model.rules import Rule
 
@@ -65,7 +65,8 @@ class ModelBuilder:
         """Enumerations and classes with their members; types follow where they stand, with the objects."""
         for enumeration in self.symbols.enumerations.values():
             self.enumeration(enumeration)
-        self.model.add_class(CONFIG, "Object", dict(CONFIG_MEMBERS))
+        for name, members in LIBRARY_CLASSES.items():
+            self.model.add_class(name, "Object", dict(members))
         done = {found.name for found in self.model.classes()}
         for symbol in self.symbols.classes.values():
             self._class(symbol.name, done)
@@ -136,18 +137,23 @@ class ModelBuilder:
 
     def _add_predicate(self, symbol: PredicateSymbol, node: PredicateDefinition) -> None:
         found = _Predicate([], [])
+        above = self._above(symbol)
+        if above is not None:
+            found.duration, found.contingent, found.solitary = above.duration, above.contingent, above.solitary
         for statement in node.body:
             try:
                 self._predicate_statement(symbol, statement, found)
             except Complaint as complaint:
                 self.report.complain(complaint)
-        parameters, above = self._inherited(symbol, found.parameters)
+        names = {p.name for p in found.parameters}
+        inherited = [p for p in above.parameters if p.name not in names] if above is not None else []
         try:
             self.model.add_predicate(
                 symbol.cls,
                 symbol.name,
-                parameters,
-                attribute=symbol.attribute or above or STATE,
+                [*inherited, *found.parameters],
+                attribute=symbol.attribute or (above.attribute if above is not None else STATE),
+                body=above.body if above is not None else (),
                 duration=found.duration,
                 contingent=found.contingent,
                 exogenous=node.exogenous,
@@ -161,14 +167,13 @@ class ModelBuilder:
         if body:
             self.model.constrain_parameters(symbol.cls, symbol.name, body)
 
-    def _inherited(self, symbol: PredicateSymbol, own: list[Parameter]) -> tuple[list[Parameter], str | None]:
-        """The parameters with those of the predicate that this one declares again, and that one's attribute."""
+    def _above(self, symbol: PredicateSymbol) -> Predicate | None:
+        """The predicate that this one declares again: what it says holds here too."""
         for above in list(self.symbols.lineage(symbol.cls))[1:]:
             found = self.model.class_named(above.name).predicates.get(symbol.name)
             if found is not None:
-                names = {p.name for p in own}
-                return [*(p for p in found.parameters if p.name not in names), *own], found.attribute
-        return own, None
+                return found
+        return None
 
     def _predicate_statement(self, symbol: PredicateSymbol, node: Statement, found: _Predicate) -> None:
         if isinstance(node, Declaration):

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from planner.domains import Interval, Values
 from planner.errors import nearest
 from planner.language.nddl.errors import Complaint, Position
-from planner.language.nddl.library import CONSTRUCTORS, UNBOUNDED_BY_DEFAULT, BuiltInConstructor
+from planner.language.nddl.library import CONSTRUCTORS, DEFAULTS, UNBOUNDED_BY_DEFAULT, BuiltInConstructor
 from planner.language.nddl.symbols import Symbols
 from planner.language.nddl.syntax import (
     Assignment,
@@ -134,7 +134,7 @@ class Objects:
             raise Complaint(node.at, f"a constructor has assignments and super(...) only, not a {kind}")
 
     def _assign(self, thing: ModelObject, member: str, node: Expression, scope: Arguments, at: Position) -> None:
-        type_ = self.symbols.member_type(thing.cls, member, at)
+        name, type_ = self.symbols.member_named(thing.cls, member, at)
         value: object
         if isinstance(node, New):
             value = self.create(node, f"{thing.name}.{member}", thing, scope)
@@ -150,7 +150,7 @@ class Objects:
             raise Complaint(at, f"member {member!r} is of type {type_}, which {self._kind(value)} is not")
         if is_number(value) and self.symbols.base(type_) == "int":
             value = int(value) if math.isfinite(value) else Interval(value, value)
-        self.model.set_member(thing, member, value)
+        self.model.set_member(thing, name, value)
 
     # Constructors of the classes that every model has
 
@@ -160,16 +160,23 @@ class Objects:
         if form is None:
             shown = "; ".join(f"{cls}({', '.join(m if m != '-' else 'limit' for m in f.members)})" for f in forms)
             raise Complaint(at, f"no constructor of class {cls} takes {len(arguments)} arguments: there is {shown}")
-        self._defaults(thing, cls)
+        if not arguments:
+            self._defaults(thing, cls)
         for member, value in zip(form.members, arguments, strict=True):
-            if not is_number(value):
+            if member == "data":
+                self._check_text(cls, value, at)
+            elif not is_number(value):
                 raise Complaint(at, f"{cls}: expected a number for {member!r}, found {self._kind(value)}")
             if member != "-" and not (member in UNBOUNDED_BY_DEFAULT and value == math.inf):
                 self.model.set_member(thing, member, value)
 
+    def _check_text(self, cls: str, value: object, at: Position) -> None:
+        if not isinstance(value, str):
+            raise Complaint(at, f"{cls}: expected a text, found {self._kind(value)}")
+
     def _defaults(self, thing: ModelObject, cls: str) -> None:
-        if cls in ("Unary",):
-            self.model.set_member(thing, "capacity", 1)
+        for member, value in DEFAULTS.get(cls, {}).items():
+            self.model.set_member(thing, member, value)
 
     # Values
 
@@ -204,15 +211,15 @@ class Objects:
             found = thing
         elif first in scope:
             found = scope[first]
-        elif thing is not None and first in thing.members:
-            found = thing.members[first]
+        elif thing is not None and (member := self.symbols.member(thing.cls, first)) and member[0] in thing.members:
+            found = thing.members[member[0]]
         else:
             found = self.variables[first] if first in self.variables else self.model.objects.get(first)
         for name in rest:
             if not isinstance(found, ModelObject):
                 return None
-            self.symbols.member_type(found.cls, name, node.at)
-            found = found.members.get(name)
+            own, _ = self.symbols.member_named(found.cls, name, node.at)
+            found = found.members.get(own)
         return found
 
     def _fits(self, constructor: Constructor, arguments: Sequence[object]) -> bool:

@@ -12,6 +12,7 @@ from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.errors import ModelError
 from planner.language.nddl.errors import Complaint, Position, Report
+from planner.language.nddl.library import CONFIG
 from planner.language.nddl.methods import METHODS, withdrawn
 from planner.language.nddl.printer import render_statement
 from planner.language.nddl.scope import Scope, StateMeaning, TokenMeaning, VariableMeaning
@@ -21,6 +22,7 @@ from planner.language.nddl.syntax import (
     Binary,
     Constraint,
     Declaration,
+    Declarator,
     Either,
     Expression,
     ForEach,
@@ -36,7 +38,7 @@ from planner.language.nddl.syntax import (
 from planner.language.nddl.translator import Translator
 from planner.language.nddl.values import Literals
 from planner.model import rules
-from planner.model.classes import ModelObject
+from planner.model.classes import ModelObject, objects_in
 from planner.tokens.instance import RuleInstance, evaluate, resolve
 from planner.tokens.path import TokenPath
 from planner.tokens.token import Role, Token
@@ -132,7 +134,7 @@ class _Execution:
     def _members(self) -> None:
         """Members that the constructors left open are decided with everything else."""
         for thing in self.database.model.objects.values():
-            if thing.cls == "PlannerConfig":
+            if self.symbols.is_subclass(thing.cls, CONFIG):
                 continue
             for name, type_ in self.database.model.members_of(thing.cls).items():
                 if name not in thing.members and isinstance(type_, str) and type_ in self.symbols.enumerations:
@@ -184,9 +186,35 @@ class _Execution:
                 continue
             if isinstance(variable.value, New):
                 raise Complaint(variable.at, f"object {variable.name!r} could not be created")
-            one = Declaration(node.type, (variable,), node.filter_only, at=node.at)
+            source = self._source(variable)
+            plain = Declarator(variable.name, at=variable.at) if source is not None else variable
+            one = Declaration(node.type, (plain,), node.filter_only or self._is_empty(node.type), at=node.at)
             self._general(one)
             self.scope.names.pop(variable.name, None)
+            if source is not None:
+                declared: Any = self.tokens.names[variable.name]
+                self.database.network.restrict(declared, source, instance)
+
+    def _source(self, variable: Declarator) -> Domain | None:
+        """The domain that a variable starts from if it is declared with another one that has several values left.
+
+        It starts from that domain; they need not stay equal.
+        """
+        if not isinstance(variable.value, Name):
+            return None
+        found = self.scope.meaning(variable.value.path, variable.value.at)
+        if not isinstance(found, VariableMeaning):
+            return None
+        source = resolve(self.tokens, found.ref, RuleInstance("", None))
+        if isinstance(source, ModelObject | Token) or source.domain.is_singleton:
+            return None
+        return source.domain
+
+    def _is_empty(self, type_: str) -> bool:
+        """Whether a type is a class that has no object yet, and may have some later."""
+        cls = self.symbols.class_of(type_)
+        closed = any(isinstance(s, Method) and s.method == "close" for s in self.program.statements)
+        return cls is not None and not closed and not objects_in(self.database.model.objects_of(cls))
 
     def _goal(self, node: Goal, instance: RuleInstance) -> None:
         for target in node.targets:
@@ -207,18 +235,25 @@ class _Execution:
                 self.goals.append((token, instance))
 
     def _inside(self, token: Token, instance: RuleInstance) -> None:
-        """A goal is achieved inside the horizon; one that its own times keep from that must still overlap it."""
+        """A goal is achieved inside the horizon; one that its own times keep from that must still overlap it.
+
+        A rejectable token that cannot is rejected.
+        """
         network, (first, last) = self.database.network, self.database.horizon
         start, end = token.start.domain, token.end.domain
         if token.host is not None:
             return
-        if token.role == "goal" and (start.lower >= last or end.upper <= first):
-            raise Inconsistency(HorizonMissed(token, (first, last)), token.start)
+        least = min(1, token.duration.domain.upper)  # of the token within the horizon: an instant may be at its ends
+        if start.lower + least > last or end.upper - least < first:
+            if token.role == "goal" or token.must_host:
+                raise Inconsistency(HorizonMissed(token, (first, last)), token.start)
+            self.tokens.reject(token)
+            return
         inside = start.upper >= first and start.lower + token.duration.domain.lower <= last
         earliest = first if start.upper >= first else -math.inf
         latest = last if inside and end.lower <= last else math.inf
-        network.restrict(token.start, Interval(earliest, last - 1), instance)
-        network.restrict(token.end, Interval(first + 1, latest), instance)
+        network.restrict(token.start, Interval(earliest, last - least), instance)
+        network.restrict(token.end, Interval(first + least, latest), instance)
 
     def _relation(self, node: Relation, instance: RuleInstance) -> None:
         self._general(node)

@@ -102,9 +102,9 @@ class Scope:
             own = self._of_token(TokenMeaning(Ref(()), self.own), name)
             if own is not None:
                 return own
-            members = self.symbols.members_of(cls)
-            if name in members:
-                return VariableMeaning(Ref(("object", name)), members[name])
+            member = self.symbols.member(cls, name)
+            if member is not None:
+                return VariableMeaning(Ref(("object", member[0])), member[1])
         if self.own is not None and name in self.symbols.constants:
             return ValueMeaning(self.symbols.constants[name], None)
         if name in self.symbols.variables:
@@ -170,17 +170,19 @@ class Scope:
             if found is not None:
                 return found
             cls, predicate = whole.predicate
-            members = self.symbols.members_of(cls)
-            if name in members:
-                return VariableMeaning(Ref((*whole.ref.path, name)), members[name])
-            known = [*self.symbols.parameters_of(cls, predicate), *TIMES, "object", "state", *members]
+            member = self.symbols.member(cls, name)
+            if member is not None:
+                return VariableMeaning(Ref((*whole.ref.path, member[0])), member[1])
+            known = [*self.symbols.parameters_of(cls, predicate), *TIMES, "object", "state"]
+            known += self.symbols.members_of(cls)
             raise Complaint(at, f"a token of {cls}.{predicate} has no variable {name!r}{nearest(name, known)}")
         if not isinstance(whole, VariableMeaning):
             raise Complaint(at, f"{name!r} cannot be a part of a value")
         cls_or_none = self.symbols.class_of(whole.type)
         if cls_or_none is None:
             raise Complaint(at, f"{whole.ref!r} is of type {whole.type}, so it has no member {name!r}")
-        return VariableMeaning(Ref((*whole.ref.path, name)), self.symbols.member_type(cls_or_none, name, at))
+        own_name, type_ = self.symbols.member_named(cls_or_none, name, at)
+        return VariableMeaning(Ref((*whole.ref.path, own_name)), type_)
 
     def _of_token(self, token: TokenMeaning, name: str) -> Meaning | None:
         """The variable of a token by its name; None when it has none."""
@@ -190,6 +192,8 @@ class Scope:
             return VariableMeaning(ref, parameters[name])
         if name in TIMES:
             return VariableMeaning(ref, "int", name != "duration")
+        if name == "time" and self.symbols.is_subclass(token.predicate[0], "Reservoir"):
+            return VariableMeaning(Ref((*token.ref.path, "start")), "int", True)
         if name == "object":
             return VariableMeaning(ref, token.predicate[0])
         return StateMeaning(token) if name == "state" else None

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from planner.errors import nearest
 from planner.language.nddl.errors import NOWHERE, Complaint, Position, Report
-from planner.language.nddl.library import CONFIG, CONFIG_MEMBERS
+from planner.language.nddl.library import LIBRARY_CLASSES, MEMBER_NAMES
 from planner.language.nddl.syntax import (
     AttributeDefinition,
     ClassDefinition,
@@ -83,7 +83,8 @@ class Symbols:
                 types = {p.name: p.type if isinstance(p.type, str) else "float" for p in predicate.parameters}
                 symbol.predicates[predicate.name] = PredicateSymbol(found.name, predicate.name, types)
             self.classes[found.name] = symbol
-        self.classes[CONFIG] = ClassSymbol(CONFIG, "Object", members=dict(CONFIG_MEMBERS))
+        for name, members in LIBRARY_CLASSES.items():
+            self.classes[name] = ClassSymbol(name, "Object", members=dict(members))
 
     def collect(self, statements: Sequence[Statement]) -> None:
         """Enter all that is declared; complaints about names that are taken."""
@@ -239,12 +240,20 @@ class Symbols:
             raise Complaint(at, f"class {cls} has no predicate named {name!r}{nearest(name, known)}")
         return cls, name
 
-    def member_type(self, cls: str, name: str, at: Position) -> str:
-        """The type of a member; a complaint when the class has none of that name."""
+    def member(self, cls: str, name: str) -> tuple[str, str] | None:
+        """The name that the model has for a member, and its type; None when the class has none of that name."""
         known = self.members_of(cls)
         if name not in known:
+            name = MEMBER_NAMES.get(name, name)
+        return (name, known[name]) if name in known else None
+
+    def member_named(self, cls: str, name: str, at: Position) -> tuple[str, str]:
+        """The same; a complaint when the class has none of that name."""
+        found = self.member(cls, name)
+        if found is None:
+            known = self.members_of(cls)
             raise Complaint(at, f"class {cls} has no member named {name!r}{nearest(name, known)}")
-        return known[name]
+        return found
 
     def class_of(self, type_: str) -> str | None:
         """The class that a type names, itself or as the base of a typedef; None for any other type."""

@@ -14,7 +14,17 @@ from planner.domains import Interval
 from planner.errors import ModelError, nearest
 from planner.language.nddl.comparisons import Difference, difference
 from planner.language.nddl.errors import Complaint, Position, Report
+from planner.language.nddl.operators import (
+    ALIASES,
+    COMPARISONS,
+    FUNCTIONS,
+    MIRRORED,
+    RESULT_LAST,
+    SINGLETON_TESTS,
+    TESTS,
+)
 from planner.language.nddl.scope import Scope, StateMeaning, TokenMeaning, ValueMeaning, VariableMeaning
+from planner.language.nddl.states import keep_active, state_said
 from planner.language.nddl.symbols import Symbols
 from planner.language.nddl.syntax import (
     Assignment,
@@ -43,15 +53,6 @@ from planner.language.nddl.values import Literals, is_number
 from planner.model import rules
 from planner.model.manager import ModelManager
 from planner.model.relations import distances
-
-SINGLETON_TESTS = ("isSingleton", "isSpecified")
-RESULT_LAST = {"+": "addEq", "*": "mulEq", "/": "divEq"}
-FUNCTIONS = {"max": "eqMaximum", "min": "eqMinimum"} | {
-    name: name for name in ("abs", "pow", "sqrt", "mod", "floor", "ceil", "rand", "sin")
-}
-COMPARISONS = {"==": "eq", "!=": "neq", "<": "lt", "<=": "leq", ">": "lt", ">=": "leq"}
-TESTS = {"==": "testEq", "!=": "testNeq", "<": "testLessThan", "<=": "testLeq", ">": "testLessThan", ">=": "testLeq"}
-MIRRORED = (">", ">=")
 
 
 class Translator:
@@ -118,7 +119,12 @@ class Translator:
 
     def require(self, name: str, arguments: Sequence[Expression], at: Position) -> None:
         """A constraint by name over arguments."""
+        said = state_said(self.scope, arguments) if name == "eq" else None
+        if said is not None:
+            keep_active(self.out, said, at)
+            return
         procedures = self.model.procedures
+        name = name if name in procedures else ALIASES.get(name, name)
         if name not in procedures:
             known = procedures.names()
             raise Complaint(at, f"there is no constraint, relation or function named {name!r}{nearest(name, known)}")
@@ -139,6 +145,9 @@ class Translator:
             if node.operator == "&&":
                 self.holds(node.left)
                 self.holds(node.right)
+                return
+            if node.operator == "==" and state_said(self.scope, (node.left, node.right)):
+                self.require("eq", (node.left, node.right), node.at)
                 return
             if node.operator in COMPARISONS:
                 self._compare(node)

@@ -3,7 +3,7 @@
 The upper envelope at a tick is the level after the events that must have happened and the heaviest set of those that
 may have and that the temporal network lets happen without the others; the lower envelope likewise (Muscettola, CP
 2002). Both are exact: some schedule has that level at that tick. Between two ticks at which some event becomes possible
-or certain, or a limit steps, nothing changes.
+or certain, or a limit steps, nothing changes. A level that begins beyond its limit is judged from the first event on.
 """
 
 from __future__ import annotations
@@ -155,6 +155,7 @@ class Ledger:
 
     def _first_of(self, ticks: Iterable[int], low: bool, limit: Steps) -> Scenario | None:
         gains = self._gains(low)
+        begins_well = limit.values[0] <= 0 if low else limit.values[0] >= 0
         for tick, closed, pending, most in self._stretches(ticks, gains):
             value = limit.at(tick)
             allowed = (-value if low else value) + _slack(value)
@@ -165,7 +166,7 @@ class Ledger:
             else:
                 happened = self._worst(gains, tick, closed, pending, allowed)
             total = self._sum(low, happened)
-            if (-total if low else total) > allowed:
+            if (-total if low else total) > allowed and (happened or begins_well):
                 return Scenario(self, low, tick, happened, total)
         return None
 

@@ -122,12 +122,11 @@ class Resource:
         return Steps.constant(default)
 
     def _check_start(self, level_min: Steps) -> None:
-        """Without transactions the level keeps its limits."""
+        """Without transactions the level of a reusable keeps its limits; a reservoir's is judged once it has some."""
         for tick in sorted({*self.base.starts, *level_min.starts, *self.top.starts}):
             low, level, high = level_min.at(tick), self.base.at(tick), self.top.at(tick)
-            first = math.isinf(tick)
-            if (first or not self.is_reservoir) and not low <= level <= high:
-                when = "to begin with" if first else f"from tick {tick:g} on"
+            if not self.is_reservoir and not low <= level <= high:
+                when = "to begin with" if math.isinf(tick) else f"from tick {tick:g} on"
                 raise ModelError(
                     f"object {self.object}: expected a level of {low:g} to {high:g} {when}, found {level:g}"
                 )

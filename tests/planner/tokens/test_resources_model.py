@@ -67,8 +67,7 @@ def test_steps_that_are_none(wrong: Any) -> None:
     [
         ("Reusable", {}, "object thing of class Reusable: a resource needs a value for its member 'capacity'"),
         ("Reservoir", {"level_max": 3}, "needs a value for its member 'initial'"),
-        ("Reservoir", {"initial": 5, "level_max": 3}, "expected a level of 0 to 3 to begin with, found 5"),
-        ("Reservoir", {"initial": 5, "level_min": 6}, "expected a level of 6 to inf to begin with, found 5"),
+        ("Reusable", {"capacity": 5, "level_min": 6}, "expected a level of 6 to inf to begin with, found 5"),
         ("Reservoir", {"initial": ((0, 1), (2, 2))}, "expected a number as its member 'initial'"),
         ("Reusable", {"capacity": ((0, 5), (9, 1)), "level_min": 2}, "level of 2 to inf from tick 9 on, found 1"),
         ("Reusable", {"capacity": 5, "profile": "envelop"}, "found 'envelop'; did you mean envelope"),
