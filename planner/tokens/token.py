@@ -90,7 +90,7 @@ class Token:
         self.host: Token | None = None
         self.placed_by: Owner | None = None
         self.must_host = False
-        self.solitary = predicate.solitary
+        self.solitary = form.predicate.solitary
         self.group: OpenGroup | None = None
         # The instances of the rules that apply to it.
         self.rules: list[Owner] = []
