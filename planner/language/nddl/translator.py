@@ -23,6 +23,7 @@ from planner.language.nddl.operators import (
     SINGLETON_TESTS,
     TESTS,
 )
+from planner.language.nddl.relations import relate
 from planner.language.nddl.scope import Scope, StateMeaning, TokenMeaning, ValueMeaning, VariableMeaning
 from planner.language.nddl.states import keep_active, state_said
 from planner.language.nddl.symbols import Symbols
@@ -45,14 +46,12 @@ from planner.language.nddl.syntax import (
     Requirement,
     Statement,
     Text,
-    TokenReference,
     Truth,
     Unary,
 )
 from planner.language.nddl.values import Literals, is_number
 from planner.model import rules
 from planner.model.manager import ModelManager
-from planner.model.relations import distances
 
 
 class Translator:
@@ -196,47 +195,7 @@ class Translator:
         return (value, value) if is_number(value) else None
 
     def _relation(self, node: Relation) -> None:
-        bounds = tuple(self.bounds_of(one.lower, one.upper) for one in node.bounds)
-        try:
-            distances(node.relation, bounds)
-        except ModelError as error:
-            raise Complaint(node.at, str(error)) from None
-        origin = node.origin or "this"
-        if node.origin is not None:
-            self.token(node.origin, node.at)
-        elif self.scope.own is None:
-            raise Complaint(
-                node.at, f"outside of a rule, write which token {node.relation} is about: t1 {node.relation} t2;"
-            )
-        for target in node.targets:
-            self._relate(node.relation, origin, bounds, target)
-
-    def bounds_of(self, lower: Expression, upper: Expression) -> tuple[float, float]:
-        """The bounds of a relation as numbers."""
-        interval = self.literals.interval(Range(lower, upper, at=lower.at), False)
-        return interval.lower, interval.upper
-
-    def _relate(
-        self, relation: str, origin: str, bounds: tuple[tuple[float, float], ...], target: TokenReference
-    ) -> None:
-        name = target.name if not target.path else target.path[0] if len(target.path) == 1 else None
-        known = name is not None and (not target.path or target.name is None) and self._is_token(name, target.at)
-        if known and name is not None:
-            self.out.append(rules.Relate(relation, origin, name, bounds))
-            return
-        if not target.path:
-            self.token(target.name or "", target.at)  # complains
-        predicate, owner = self.scope.predicate_of(target.path, target.at)
-        name = target.name or self.fresh(predicate[1])
-        self.scope.add(name, predicate)
-        if origin == "this" and self.scope.own is not None:
-            self.out.append(rules.Subgoal(relation, predicate, name, owner, bounds))
-        else:
-            self.out.append(rules.Subgoal("any", predicate, name, owner))
-            self.out.append(rules.Relate(relation, origin, name, bounds))
-
-    def _is_token(self, name: str, at: Position) -> bool:
-        return isinstance(self.scope.first(name, at), TokenMeaning)
+        relate(self, node)
 
     def token(self, name: str, at: Position) -> TokenMeaning:
         """The token of a name; a complaint when it is none."""
