@@ -26,9 +26,9 @@ _UNBOUNDED = 1 << 49
 
 def extract(database: PlanDatabase) -> FlexiblePlan:
     """The flexible plan that the database holds."""
-    tokens = [t for t in database.tokens.tokens if t.state in (TokenState.ACTIVE, TokenState.MERGED)]
-    outside = [t for t in database.tokens.tokens if t.state is TokenState.INACTIVE]
-    ids = {id(t): f"t{n}" for n, t in enumerate([*tokens, *outside])}
+    listed, open_ = numbered(database)
+    tokens, outside = [t for _, t in listed], [t for _, t in open_]
+    ids = {id(t): name for name, t in (*listed, *open_)}
     merged: dict[int, list[Token]] = {}
     for token in tokens:
         if token.host is not None:
@@ -47,6 +47,14 @@ def extract(database: PlanDatabase) -> FlexiblePlan:
         constraints=constraints,
         boundary=tuple(_token(database, t, ids, distances) for t in outside),
     )
+
+
+def numbered(database: PlanDatabase) -> tuple[list[tuple[str, Token]], list[tuple[str, Token]]]:
+    """The tokens of the plan and those that it leaves open, with the identifiers that the plan gives them."""
+    tokens = [t for t in database.tokens.tokens if t.state in (TokenState.ACTIVE, TokenState.MERGED)]
+    outside = [t for t in database.tokens.tokens if t.state is TokenState.INACTIVE]
+    names = iter(range(len(tokens) + len(outside)))
+    return [(f"t{next(names)}", t) for t in tokens], [(f"t{next(names)}", t) for t in outside]
 
 
 def host_of(token: Token) -> Token:

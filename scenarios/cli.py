@@ -182,6 +182,9 @@ def plan_problem(
     include: Includes = None,
     procedures: Procedures = None,
     out: Annotated[Path | None, typer.Option(help="Write the plan file here.")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say why each token is there, or which statements leave no plan.")
+    ] = False,
     svg: Annotated[Path | None, typer.Option(help="Draw the plan's timelines and constraints here.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -196,6 +199,7 @@ def plan_problem(
         max_steps=max_steps,
         include=include or (),
         procedures=procedures or (),
+        explain=explain,
     )
     write_files(answer, out, svg)
     if as_json:
@@ -206,6 +210,8 @@ def plan_problem(
         from scenarios.console import print_plan
 
         print_plan(answer.plan, answer.steps, answer.solve_seconds)
+    if answer.explanation is not None and not as_json:
+        print("\n".join(answer.explanation.lines()))
     raise typer.Exit(DONE if answer.solved else FELL_SHORT)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -19,12 +19,15 @@ from planner.language.nddl.errors import Report
 from planner.language.nddl.program import Program, is_plain_declaration
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
+from planner.rationale import rationale
 from planner.search.collector import patient_collector
 from planner.search.engines import ENGINES
 from planner.search.outcome import Limits, Outcome
 from planner.temporal.network import TemporalNetworkManager
 from scenarios.drawing.svg import save as save_drawing
 from scenarios.errors import ScenarioError
+from scenarios.explaining.conflict import Conflict, conflict_of
+from scenarios.explaining.tokens import Rationale
 
 DEFAULT_HORIZON = (0, 1000)
 """For a file that gives none, as ticks."""
@@ -39,7 +42,8 @@ class PlanAnswer:
     """The answer. `verdict`: solved; unsolvable, which is proven; or limit, when the limits came first.
 
     `conflict`: what the statements say that cannot hold together from the beginning. `rejected`: the rejectable tokens
-    that the plan leaves out. `model`, `plan`: as objects, for whoever goes on.
+    that the plan leaves out. `model`, `plan`: as objects, for whoever goes on. `explanation`: if asked for, why each
+    token is there, or which statements leave no plan.
     """
 
     verdict: Verdict
@@ -57,6 +61,7 @@ class PlanAnswer:
     reason: str | None = None
     conflict: tuple[str, ...] = ()
     rejected: tuple[str, ...] = ()
+    explanation: Rationale | Conflict | None = None
 
     @property
     def solved(self) -> bool:
@@ -80,6 +85,7 @@ class PlanAnswer:
             "reason": self.reason,
             "conflict": list(self.conflict),
             "rejected": list(self.rejected),
+            **({} if self.explanation is None else {"explanation": self.explanation.to_json()}),
         }
 
 
@@ -92,8 +98,10 @@ def plan_file(
     max_steps: int | None = None,
     include: Sequence[Path] = (),
     procedures: Sequence[str] = (),
+    explain: bool = False,
 ) -> PlanAnswer:
-    """Plan the problem of an NDDL file. `procedures`: files and modules of its own constraint procedures.
+    """Plan the problem of an NDDL file. `procedures`: files and modules of its own constraint procedures. `explain`:
+    say why, which for a problem without a plan takes up to `max_seconds` again.
 
     NddlError (bad input, with file, line and column of all that is wrong) for a text that is no model; UnsupportedError
     where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be;
@@ -110,7 +118,8 @@ def plan_file(
         if span[0] >= span[1]:
             raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")
         planning = _Planning(model, program, report, span, engine)
-        return planning.run(_limits(program, max_seconds, max_steps), started)
+        answer = planning.run(_limits(program, max_seconds, max_steps), started)
+        return replace(answer, explanation=planning.explanation(answer, max_seconds)) if explain else answer
 
 
 def write_files(answer: PlanAnswer, out: Path | None, svg: Path | None) -> None:
@@ -147,6 +156,7 @@ class _Planning:
         self.program = program
         self.report = report
         self.engine = engine
+        self.suspects: list[Owner] = []
         try:
             self.database = PlanDatabase(model, horizon)
         except ModelError as error:
@@ -156,13 +166,13 @@ class _Planning:
         database = self.database
         outcome = Outcome()
         loaded = solving = 0.0
-        conflict: list[Owner] = []
+        conflict = self.suspects
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
             outcome = ENGINES[self.engine].search(database, limits, None, _described)
         except Inconsistency as inconsistency:
-            conflict = database.network.explain(inconsistency)
+            conflict += database.network.explain(inconsistency)
             outcome.exhausted = True
         solving = perf_counter()
         loaded = loaded or solving
@@ -191,9 +201,18 @@ class _Planning:
             rejected=tuple(rejected),
         )
 
+    def explanation(self, answer: PlanAnswer, max_seconds: float) -> Rationale | Conflict:
+        """Why the answer is what it is."""
+        if answer.plan is not None:
+            return Rationale(answer.plan, rationale(self.database))
+        limits = Limits(answer.steps, max_seconds)
+        proven = answer.verdict == "unsolvable"
+        span = self.database.horizon
+        return conflict_of(self.model, self.program, span, self.engine, limits, self.suspects, proven)
+
 
 def _described(owners: Sequence[Owner]) -> str:
-    return "; ".join(_named(owners))
+    return "; ".join(name.rstrip(";") for name in _named(owners))
 
 
 def _named(owners: Sequence[Owner]) -> list[str]:

@@ -1,0 +1,1 @@
+"""Why: why each token of a plan is there, and which statements of a problem leave no plan."""
