@@ -8,11 +8,12 @@ from planner.constraints.network import ConstraintNetworkManager
 from planner.domains import Interval
 from planner.errors import ModelError, ProblemError
 from planner.model.manager import ModelManager
-from planner.problem import TokenPattern
+from planner.problem import ConstraintPattern, TokenPattern
 from planner.temporal.network import TemporalNetworkManager
+from planner.tokens.limits import create as create_limit
 from planner.tokens.manager import TokenNetworkManager
 from planner.tokens.path import TokenPath
-from planner.tokens.statements import apply_pattern
+from planner.tokens.statements import allowed_values, apply_pattern
 from planner.tokens.token import Role, Token
 from planner.trail import Trail
 
@@ -47,6 +48,17 @@ class PlanDatabase:
             self.network.restrict(token.end, Interval(-math.inf, end), "horizon")
         elif pattern.start == (None, None):
             self.network.restrict(token.start, Interval(start, start), "horizon")
+        return token
+
+    def confine(self, pattern: ConstraintPattern, name: str) -> Token:
+        """Add a constraint token that the problem states; the caller propagates.
+
+        ProblemError for a pattern that means nothing in the model.
+        """
+        tokens, placed = self.tokens, pattern.within(self.horizon)
+        attribute, allowed = allowed_values(tokens, pattern, name)
+        token = create_limit(tokens, attribute, allowed, TokenPath.of(name), "state", name)
+        apply_pattern(tokens, token, TokenPattern(name, placed.object, {}, placed.start, placed.end, placed.duration))
         return token
 
 

@@ -15,6 +15,7 @@ from planner.plan import (
     PlanConstraint,
     PlanTimeline,
     PlanToken,
+    PlanValue,
     Value,
 )
 from planner.temporal.network import INFINITY
@@ -84,6 +85,20 @@ def _token(database: PlanDatabase, token: Token, ids: dict[int, str], distances:
         goal=token.name if token.role in ("goal", "rejectable") else None,
         fact=token.role == "fact",
         master=ids.get(id(token.master)) if token.master is not None else None,
+        allowed=_allowed(token),
+    )
+
+
+def _allowed(token: Token) -> tuple[PlanValue, ...] | None:
+    """What a constraint token allows."""
+    if token.kind != "constraint":
+        return None
+    return tuple(
+        PlanValue(
+            value.predicate.full_name,
+            {n: _value(limit if isinstance(limit, Domain) else limit.domain) for n, limit in value.limits.items()},
+        )
+        for value in token.allowed
     )
 
 

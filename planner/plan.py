@@ -26,8 +26,17 @@ ParameterValue = Value | tuple[Value, ...] | Mapping[str, float | None]
 
 
 @dataclass(frozen=True, slots=True)
+class PlanValue:
+    """A value that a constraint token allows: a predicate, and what some of its parameters are within."""
+
+    predicate: str
+    parameters: Mapping[str, ParameterValue] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class PlanToken:
-    """An interval in which an attribute holds one value.
+    """An interval in which an attribute holds one value; or, with `allowed`, a constraint token: an interval in which
+    it has only these values and may change among them. That one is in no slot, but lies over some.
 
     `start`, `end`, `duration`: bounds in ticks. `contingent`: nature decides the duration within its bounds.
     `goal`: the identifier of the goal that this token was stated for, else None. `fact`: true without support.
@@ -46,6 +55,7 @@ class PlanToken:
     goal: str | None = None
     fact: bool = False
     master: str | None = None
+    allowed: tuple[PlanValue, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,7 +194,7 @@ def _token_to_json(token: PlanToken) -> dict[str, Any]:
         "object": token.object,
         "attribute": token.attribute,
         "predicate": token.predicate,
-        "parameters": {k: list(v) if isinstance(v, tuple) else v for k, v in token.parameters.items()},
+        "parameters": _parameters_to_json(token.parameters),
         "start": list(token.start),
         "end": list(token.end),
         "duration": list(token.duration),
@@ -195,20 +205,28 @@ def _token_to_json(token: PlanToken) -> dict[str, Any]:
         content["fact"] = True
     if token.master is not None:
         content["master"] = token.master
+    if token.allowed is not None:
+        content["allowed"] = [
+            {"predicate": value.predicate, "parameters": _parameters_to_json(value.parameters)}
+            for value in token.allowed
+        ]
     return content
 
 
+def _parameters_to_json(parameters: Mapping[str, ParameterValue]) -> dict[str, Any]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in parameters.items()}
+
+
 def _token_from_json(entry: _Reader) -> PlanToken:
-    parameters = entry.value("parameters")
-    if not isinstance(parameters, dict):
-        raise PlanFormatError(f"{entry.path}.parameters: expected an object, found {parameters!r}")
-    place = f"{entry.path}.parameters"
+    allowed = None
+    if isinstance(entry.content, dict) and "allowed" in entry.content:
+        allowed = tuple(PlanValue(v.text("predicate"), _parameters(v)) for v in entry.entries("allowed"))
     return PlanToken(
         id=entry.text("id"),
         object=entry.text("object"),
         attribute=entry.text("attribute"),
         predicate=entry.text("predicate"),
-        parameters={name: _parameter(value, f"{place}.{name}") for name, value in parameters.items()},
+        parameters=_parameters(entry),
         start=entry.pair("start"),
         end=entry.pair("end"),
         duration=entry.pair("duration"),
@@ -216,7 +234,16 @@ def _token_from_json(entry: _Reader) -> PlanToken:
         goal=entry.optional_text("goal"),
         fact=entry.flag("fact", default=False),
         master=entry.optional_text("master"),
+        allowed=allowed,
     )
+
+
+def _parameters(entry: _Reader) -> dict[str, ParameterValue]:
+    parameters = entry.value("parameters")
+    place = f"{entry.path}.parameters"
+    if not isinstance(parameters, dict):
+        raise PlanFormatError(f"{place}: expected an object, found {parameters!r}")
+    return {name: _parameter(value, f"{place}.{name}") for name, value in parameters.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -125,6 +125,8 @@ class _Planning:
             database.state(pattern, f"state {number + 1} ({pattern.predicate})", "state")
         for number, pattern in enumerate(self.problem.facts):
             database.state(pattern, f"fact {number + 1} ({pattern.predicate})", "fact")
+        for number, constraint in enumerate(self.problem.constraints):
+            database.confine(constraint, f"constraint {number + 1} ({constraint.attribute})")
         for goal in goals:
             database.state(goal.token, goal.id, "goal")
         database.network.propagate()

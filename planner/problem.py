@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from planner.plan import Bounds, FlexiblePlan, Value
@@ -29,6 +29,29 @@ class TokenPattern:
 
 
 @dataclass(frozen=True, slots=True)
+class ConstraintPattern:
+    """A constraint token to be: an attribute `"Class.attribute"` of an object (None: some object of the class) has only
+    these values from start to end, and may change among them. Without values it has none.
+
+    Of the patterns in `values` the predicate and the parameters count. Without bounds on its start the token begins
+    with the horizon, and without bounds on end and duration it ends with it.
+    """
+
+    attribute: str
+    values: tuple[TokenPattern, ...] = ()
+    object: str | None = None
+    start: Bounds = ANY
+    end: Bounds = ANY
+    duration: Bounds = ANY
+
+    def within(self, horizon: tuple[int, int]) -> ConstraintPattern:
+        """The pattern with the bounds that it has over a horizon."""
+        start = (horizon[0], horizon[0]) if self.start == ANY else self.start
+        end = (horizon[1], horizon[1]) if self.end == self.duration == ANY else self.end
+        return replace(self, start=start, end=end)
+
+
+@dataclass(frozen=True, slots=True)
 class Goal:
     """A token that the plan should achieve. Of two goals that cannot both be, the higher priority stays."""
 
@@ -40,13 +63,15 @@ class Goal:
 @dataclass(frozen=True, slots=True)
 class Problem:
     """Horizon [start, end] in ticks; `state`: tokens that hold at its start, whose rules apply; `facts`: tokens that
-    are true and seek no support; `goals`: to be achieved inside the horizon, dropped by priority when they cannot be.
+    are true and seek no support; `goals`: to be achieved inside the horizon, dropped by priority when they cannot be;
+    `constraints`: what attributes keep to, whatever else the plan does.
     """
 
     horizon: tuple[int, int]
     state: tuple[TokenPattern, ...] = ()
     facts: tuple[TokenPattern, ...] = ()
     goals: tuple[Goal, ...] = ()
+    constraints: tuple[ConstraintPattern, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

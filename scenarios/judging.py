@@ -23,7 +23,8 @@ def violations_of(plan: FlexiblePlan, scenario: Scenario) -> tuple[Violation, ..
     """
     claimed = {token.goal for token in plan.tokens}
     goals = tuple(goal.goal() for goal in scenario.goals)
-    state = tuple(_stated(token) for token in plan.tokens if token.master is None and token.goal is None)
+    values = [token for token in plan.tokens if token.allowed is None]
+    state = tuple(_stated(token) for token in values if token.master is None and token.goal is None)
     problem = Problem((plan.horizon[0], scenario.horizon), state, goals=goals)
     dropped = [goal.id for goal in goals if goal.id not in claimed]
     return check(plan, model_of(scenario, scenario.name), problem, dropped)

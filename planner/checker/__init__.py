@@ -9,6 +9,7 @@ configuration constraints, its own view of resources.
     expressions.py, requirements.py, witnesses.py, boundary.py, configuration.py, nature.py   configuration constraints
     steps.py, transactions.py, uses.py   limits over time; what is taken and given
     closure.py, levels.py, resources.py   levels, rates and sums in every schedule
+    limits.py                constraint tokens
     statement.py             the problem: horizon, state, facts, goals
 """
 
@@ -17,10 +18,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from planner.checker.configuration import check_configurations
+from planner.checker.limits import check_limits, check_stated_limits
 from planner.checker.nature import declared_duration
 from planner.checker.network import PlanNetwork, told
 from planner.checker.statement import Matches, check_goals, match_statements
-from planner.checker.structure import check_codesignation, check_names, check_places, check_tokens, slots_of
+from planner.checker.structure import check_codesignation, check_names, check_places, check_tokens, limits_of, slots_of
 from planner.checker.temporal import (
     check_bounds,
     check_consistency,
@@ -59,16 +61,18 @@ def check(
         return tuple(found)
     slots = slots_of(plan, model)
     found = [*check_codesignation(slots)]
-    network = PlanNetwork(plan, {token.id: slot.id for slot in slots.values() for token in slot.tokens})
+    limits = limits_of(plan, model)
+    hosts = {token.id: slot.id for slot in slots.values() for token in slot.tokens}
+    network = PlanNetwork(plan, hosts | {limit: limit for limit in limits})
     if network.conflict:
         return (*found, *check_consistency(network))
-    view = View(plan, model, slots, network)
+    view = View(plan, model, slots, network, limits)
     matches: Matches = {}
     if problem is not None:
         matches, unmatched = match_statements(view, problem)
         names = {goal if isinstance(goal, str) else goal.id for goal in dropped}
-        found += [*unmatched, *check_goals(view, problem, names)]
-    found += [*check_bounds(view), *check_durations(view), *check_order(view)]
+        found += [*unmatched, *check_goals(view, problem, names), *check_stated_limits(view, problem)]
+    found += [*check_bounds(view), *check_durations(view), *check_order(view), *check_limits(view)]
     found += _check_nature(view, problem, matches)
     uses: list[Choice] = []
     found += [*_check_exogenous(view), *check_configurations(view, uses)]

@@ -13,16 +13,17 @@ from dataclasses import dataclass, replace
 
 from planner.checker.boundary import may_be_outside
 from planner.checker.expressions import Expressions, Path, Wanted
-from planner.checker.network import told
+from planner.checker.limits import is_narrower
+from planner.checker.network import INF, told
 from planner.checker.requirements import Link, Requirements
 from planner.checker.uses import Choice, choice_of, mentions_uses, transactions
 from planner.checker.view import Slot, View, closed
 from planner.checker.violations import Violation
 from planner.checker.witnesses import Witnesses
 from planner.domains import Domain, Interval, Values
-from planner.model.classes import ModelObject, objects_in
+from planner.model.classes import ModelObject, Predicate, objects_in
 from planner.model.resources import USES
-from planner.model.rules import ForEach, Guard, Local, OneOf, Relate, Require, Statement, Subgoal
+from planner.model.rules import Confine, ForEach, Guard, Local, OneOf, Relate, Require, Statement, Subgoal
 
 MOST_VALUES = 1000
 """A local variable with more values than this is tried at the ends of its range only."""
@@ -105,6 +106,9 @@ class _Body:
         if isinstance(statement, Subgoal):
             for reached in self._subgoal(statement, path, state, depth):
                 yield (), reached
+        elif isinstance(statement, Confine):
+            for reached in self._confine(statement, path, state, depth):
+                yield (), reached
         elif isinstance(statement, Relate):
             origin = self.expressions.token(statement.origin, state.names, path)
             target = self.expressions.token(statement.target, state.names, path)
@@ -133,16 +137,51 @@ class _Body:
             links = self.requirements.relation(statement.relation, statement.bounds, self.slot, slot)
             if self.requirements.unsettled(links) is not None:
                 yield state.bound(path, statement.name, slot)
-        wanted = Wanted(f"{statement.name}@{len(state.names)}", predicate)
-        links = self.requirements.relation(statement.relation, statement.bounds, self.slot, wanted)
-        points = [self.view.network.point(self.slot.id, which) for which in ("start", "end")]
-        if may_be_outside(self.view.network, self.view.plan.horizon, [wanted], links, points):
-            reached = state.bound(path, statement.name, wanted)
-            yield replace(reached, outside=(*state.outside, wanted), links=(*state.links, *links))
+        outside = self._outside(statement, predicate, path, state)
+        if outside is not None:
+            yield outside
         else:
             where = "" if target is None else f" of {target}"
             text = f"in every schedule it needs a fitting {predicate.full_name}{where} by {statement.relation}"
             self._blocked(depth, f"{text}{_bounds_said(statement)}, and the plan has none")
+
+    def _confine(self, statement: Confine, path: Path, state: _State, depth: int) -> Iterator[_State]:
+        """A constraint token of the plan that allows no more, or one that may be outside."""
+        expressions, (cls, attribute) = self.expressions, statement.attribute
+        model, objects = self.view.model, self.view.model.objects_of(cls)
+        target = statement.target and expressions.resolve(statement.target, state.names, path)
+        wanted = {
+            model.predicate(*value.predicate).full_name: {
+                name: expressions.domain(bound, state.names, path, expressions.range_of)
+                for name, bound in value.parameters
+            }
+            for value in statement.values
+        }
+        for limit in self.view.limits.values():
+            slot = limit.slot
+            if slot.predicate.attribute != attribute or slot.object not in objects or not _may_be(slot.object, target):
+                continue
+            links = self.requirements.relation(statement.relation, statement.bounds, self.slot, slot)
+            if is_narrower(limit, wanted) and self.requirements.unsettled(links) is not None:
+                yield state.bound(path, statement.name, slot)
+        predicate = Predicate(cls, attribute, attribute, duration=(0, INF))
+        outside = self._outside(statement, predicate, path, state)
+        if outside is not None:
+            yield outside
+        else:
+            names = " or ".join(wanted) or "no value"
+            text = f"in every schedule it needs {cls}.{attribute} to keep to {names} by {statement.relation}"
+            self._blocked(depth, f"{text}{_bounds_said(statement)}, and no constraint token of the plan says so")
+
+    def _outside(self, statement: Subgoal | Confine, predicate: Predicate, path: Path, state: _State) -> _State | None:
+        """The state with the token of a statement outside of the horizon, if it may be there."""
+        wanted = Wanted(f"{statement.name}@{len(state.names)}", predicate)
+        links = self.requirements.relation(statement.relation, statement.bounds, self.slot, wanted)
+        points = [self.view.network.point(self.slot.id, which) for which in ("start", "end")]
+        if not may_be_outside(self.view.network, self.view.plan.horizon, [wanted], links, points):
+            return None
+        reached = state.bound(path, statement.name, wanted)
+        return replace(reached, outside=(*state.outside, wanted), links=(*state.links, *links))
 
     def _linked(
         self, statement: Statement, links: list[Link], state: _State, depth: int
@@ -271,5 +310,5 @@ def _said(statement: Statement) -> str:
     return f"{statement.origin} {statement.relation} {statement.target}" if isinstance(statement, Relate) else ""
 
 
-def _bounds_said(statement: Subgoal) -> str:
+def _bounds_said(statement: Subgoal | Confine) -> str:
     return "".join(f" [{lower:g} {upper:g}]" for lower, upper in statement.bounds)

@@ -12,7 +12,8 @@ from planner.checker.expressions import UNBOUNDED, Expressions, Path, Quantity, 
 from planner.checker.requirements import Requirements
 from planner.checker.view import Slot, View, closed
 from planner.domains import Domain, Interval
-from planner.model.rules import Guard, Local, Require, Statement, Subgoal
+from planner.model.classes import Predicate
+from planner.model.rules import Confine, Guard, Local, Require, Statement, Subgoal
 
 ROUNDS = 8
 """How often the relations are applied to each other's results; two rounds settle what is seen in practice."""
@@ -53,6 +54,9 @@ class _Narrowing:
         for statement in body:
             if isinstance(statement, Subgoal):
                 names[(), statement.name] = Wanted(statement.name, self.model.predicate(*statement.predicate))
+            elif isinstance(statement, Confine):
+                cls, attribute = statement.attribute
+                names[(), statement.name] = Wanted(statement.name, Predicate(cls, attribute, attribute))
             elif isinstance(statement, Local):
                 names[(), statement.name] = closed(self.model.domain_of(statement.type))
             elif isinstance(statement, Guard):

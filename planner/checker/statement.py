@@ -46,7 +46,8 @@ def check_goals(view: View, problem: Problem, dropped: Collection[str]) -> Itera
 
 def match_statements(view: View, problem: Problem) -> tuple[Matches, list[Violation]]:
     """The tokens that stand for the problem's state and facts, each for one, and what is missing or made up."""
-    given = [t for t in view.plan.tokens if t.fact or (t.master is None and t.goal is None)]
+    values = [t for t in view.plan.tokens if t.allowed is None]
+    given = [t for t in values if t.fact or (t.master is None and t.goal is None)]
     patterns = [(p, False) for p in problem.state] + [(p, True) for p in problem.facts]
     fits = [
         [

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from planner.checker.network import told
-from planner.checker.view import Slot, value_of
+from planner.checker.network import INF, told
+from planner.checker.view import Limit, Slot, allowed_by, value_of, values_of
 from planner.checker.violations import Violation
 from planner.errors import ModelError
 from planner.model.classes import Predicate
 from planner.model.manager import ModelManager
+from planner.model.rules import AllowedValue, Constant
 from planner.plan import ORIGIN, FlexiblePlan, PlanToken
 
 
@@ -40,6 +41,9 @@ def check_names(plan: FlexiblePlan, model: ModelManager) -> Iterator[Violation]:
 def check_tokens(plan: FlexiblePlan, model: ModelManager) -> Iterator[Violation]:
     """Predicates, objects and attributes fit; parameters are decided, within their domains."""
     for token in plan.tokens:
+        if token.allowed is not None:
+            yield from _check_limit(token, model)
+            continue
         try:
             predicate = model.predicate_named(token.predicate)
             thing = model.object_named(token.object)
@@ -53,6 +57,31 @@ def check_tokens(plan: FlexiblePlan, model: ModelManager) -> Iterator[Violation]
             text = f"{told(token)}: is a value of {predicate.attribute}, the plan has it on {token.attribute}"
             yield Violation("structure", text, (token.id,), (token.object,))
         yield from _check_parameters(token, predicate, model)
+
+
+def _check_limit(token: PlanToken, model: ModelManager) -> Iterator[Violation]:
+    """A constraint token is on a timeline of its object and allows values of that."""
+    try:
+        thing = model.object_named(token.object)
+        model.check_allowed(
+            (thing.cls, token.attribute),
+            [
+                AllowedValue(
+                    ((declared := model.predicate_named(value.predicate)).cls, declared.name),
+                    tuple((name, Constant()) for name in value.parameters),
+                )
+                for value in token.allowed or ()
+            ],
+        )
+    except ModelError as error:
+        yield Violation("structure", f"{told(token)}: {error}", (token.id,), (token.object,))
+        return
+    for value in token.allowed or ():
+        types = {p.name: p.type for p in model.predicate_named(value.predicate).parameters}
+        for name, given in value.parameters.items():
+            if values_of(model.domain_of(types[name]), given) is None:
+                text = f"{told(token)}: {name} of {value.predicate} is {given!r}, expected some of"
+                yield Violation("parameter", f"{text} {model.domain_of(types[name])!r}", (token.id,))
 
 
 def _check_parameters(token: PlanToken, predicate: Predicate, model: ModelManager) -> Iterator[Violation]:
@@ -88,7 +117,10 @@ def check_places(plan: FlexiblePlan, model: ModelManager) -> Iterator[Violation]
                 else:
                     places[token_id].append((timeline.object, timeline.attribute))
     for token in plan.tokens:
-        yield from _check_place(token, places[token.id], model)
+        if token.allowed is None:
+            yield from _check_place(token, places[token.id], model)
+        elif places[token.id]:
+            yield Violation("structure", f"{told(token)}, a constraint token, is in a slot", (token.id,))
 
 
 def _check_place(token: PlanToken, places: list[tuple[str, str]], model: ModelManager) -> Iterator[Violation]:
@@ -107,7 +139,7 @@ def slots_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Slot]:
     """The slots of a plan without violations so far, by host."""
     groups = [slot for timeline in plan.timelines for slot in timeline.slots]
     placed = {token_id for group in groups for token_id in group}
-    groups += [(token.id,) for token in plan.tokens if token.id not in placed]
+    groups += [(token.id,) for token in plan.tokens if token.id not in placed and token.allowed is None]
     slots = {}
     for group in groups:
         host = plan.token(group[0])
@@ -119,6 +151,18 @@ def slots_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Slot]:
             values[parameter.name] = value
         slots[host.id] = Slot(tuple(map(plan.token, group)), predicate, model.object_named(host.object), values)
     return slots
+
+
+def limits_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Limit]:
+    """The constraint tokens of a plan without violations so far."""
+    limits = {}
+    for token in plan.tokens:
+        if token.allowed is None:
+            continue
+        thing = model.object_named(token.object)
+        predicate = Predicate(thing.cls, token.predicate, token.attribute, duration=(0, INF))
+        limits[token.id] = Limit(Slot((token,), predicate, thing, {}), allowed_by(model, token.allowed))
+    return limits
 
 
 def check_codesignation(slots: dict[str, Slot]) -> Iterator[Violation]:

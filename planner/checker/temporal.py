@@ -26,7 +26,7 @@ def check_consistency(network: PlanNetwork) -> Iterator[Violation]:
 
 def check_bounds(view: View) -> Iterator[Violation]:
     """Written bounds of starts and ends are exactly those that the network implies."""
-    for slot in view.slots.values():
+    for slot in (*view.slots.values(), *(limit.slot for limit in view.limits.values())):
         for which in ("start", "end"):
             written: Bounds = getattr(slot.host, which)
             implied = view.range_of(slot, which)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from planner.checker.network import PlanNetwork
+from planner.checker.network import INF, PlanNetwork
 from planner.domains import Domain, Interval, Universe, Values, singleton
 from planner.model.classes import ModelObject, Predicate
 from planner.model.manager import ModelManager
-from planner.plan import FlexiblePlan, PlanToken
+from planner.plan import FlexiblePlan, PlanToken, PlanValue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,14 +47,30 @@ class Slot:
         return tuple(token for token in self.tokens if token.master is None and token.goal is None)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """A constraint token: its interval, as a slot of no timeline, and the values that it allows by predicate, each with
+    what its parameters are within."""
+
+    slot: Slot
+    allowed: Mapping[str, Mapping[str, Domain]]
+
+    def allows(self, slot: Slot) -> bool:
+        """Whether the value of a slot is one of those allowed."""
+        limits = self.allowed.get(slot.predicate.full_name)
+        return limits is not None and all(_is_in(slot.values[name], limit) for name, limit in limits.items())
+
+
 @dataclass(frozen=True)
 class View:
-    """A structurally sound plan. `slots`: by host, those of timelines first, then tokens of other attributes alone."""
+    """A structurally sound plan. `slots`: by host, those of timelines first, then tokens of other attributes alone.
+    `limits`: the constraint tokens."""
 
     plan: FlexiblePlan
     model: ModelManager
     slots: dict[str, Slot]
     network: PlanNetwork
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     _by_token: dict[str, Slot] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -91,6 +107,35 @@ def value_of(domain: Domain, value: object) -> Domain | None:
     if domain.is_open and domain.universe.name == "string" and isinstance(value, str):
         return singleton(value)
     return None
+
+
+def allowed_by(model: ModelManager, values: Iterable[PlanValue]) -> dict[str, dict[str, Domain]]:
+    """The values of a constraint token by predicate, each with what its parameters are within."""
+    allowed: dict[str, dict[str, Domain]] = {}
+    for value in values:
+        declared = model.predicate_named(value.predicate)
+        types = {p.name: model.domain_of(p.type) for p in declared.parameters}
+        given = {name: values_of(types[name], part) for name, part in value.parameters.items()}
+        allowed[declared.full_name] = {name: part for name, part in given.items() if part is not None}
+    return allowed
+
+
+def values_of(domain: Domain, values: object) -> Domain | None:
+    """The part of a domain that a plan gives: a value, a list of values, or bounds; None when some is not there."""
+    if isinstance(values, Mapping):
+        lower, upper = values["min"], values["max"]
+        given = Interval(-INF if lower is None else lower, INF if upper is None else upper, False)
+        return given if isinstance(domain, Interval) else None
+    if not isinstance(values, tuple | list):
+        return value_of(domain, values)
+    found = [value_of(domain, value) for value in values]
+    known = [one.value for one in found if one is not None]
+    return None if len(known) < len(found) else Universe("given", known).domain()
+
+
+def _is_in(value: Domain, limit: Domain) -> bool:
+    """Whether a decided value is in a domain, numbers by number."""
+    return not limit.intersect(value).is_empty
 
 
 def closed(domain: Domain) -> Domain:

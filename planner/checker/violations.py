@@ -15,6 +15,7 @@ Kind = Literal[
     "contingent",  # nature's choice is narrowed, widened, or given to the wrong token
     "order",  # tokens of one timeline may overlap
     "configuration",  # a configuration constraint is not satisfied
+    "constraint",  # a value that a constraint token does not allow, or a constraint token of the problem is missing
     "exogenous",  # a value that no plan brings about, and that the problem does not state
     "resource",  # a level, rate or sum beyond its limits in some schedule
     "horizon",  # the plan's horizon is not the problem's

@@ -3,7 +3,7 @@
     model = ModelBuilder("camera and engine", STANDARD)
     asteroid = model.enumeration("Asteroid", ["Gaspra", "Ida"])
     engine, camera, attitude = (model.timeline(name) for name in ("Engine", "Camera", "Attitude"))
-    off = engine.predicate("off")
+    off, idle = engine.predicate("off"), engine.predicate("idle")
     ready = camera.predicate("ready")
     picture = camera.predicate("picture", {"asteroid": asteroid})
     point_at = attitude.predicate("pointAt", {"asteroid": asteroid})
@@ -13,6 +13,7 @@
         this.contained_by(point_at, asteroid=this.asteroid)
         this.before(ready, bounds=(0, 0))
         this.after(ready, bounds=(0, 0))
+        this.throughout(off, idle)                   # a constraint token: other values too, and changes among them
 
 Everything here only calls `ModelManager.add_...`, so this is also the documentation of that interface by example.
 """
@@ -26,15 +27,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from planner.constraints.procedure import ProcedureRegistry
-from planner.domains import Domain
+from planner.domains import Domain, Interval, Universe
 from planner.errors import ModelError, nearest
+from planner.language.terms import Operand, Term, Test, expression_of
 from planner.model.classes import ModelObject, Parameter, Type
 from planner.model.manager import STATE, ModelManager
 from planner.model.relations import distances
 from planner.model.rules import (
-    Apply,
+    AllowedValue,
+    Confine,
     Constant,
-    Expression,
     Guard,
     Local,
     OneOf,
@@ -47,60 +49,6 @@ from planner.model.rules import (
 )
 
 Bounds = tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Term:
-    """An expression in a rule; arithmetic and comparison make larger ones."""
-
-    expression: Expression
-
-    def __add__(self, other: Operand) -> Term:
-        return Term(Apply("addEq", (self.expression, _expression(other))))
-
-    __radd__ = __add__
-
-    def __mul__(self, other: Operand) -> Term:
-        return Term(Apply("mulEq", (self.expression, _expression(other))))
-
-    __rmul__ = __mul__
-
-    def __eq__(self, other: object) -> Test:  # type: ignore[override]
-        return Test("eq", (self.expression, _expression(other)))
-
-    def __ne__(self, other: object) -> Test:  # type: ignore[override]
-        return Test("neq", (self.expression, _expression(other)))
-
-    def __le__(self, other: Operand) -> Test:
-        return Test("leq", (self.expression, _expression(other)))
-
-    def __lt__(self, other: Operand) -> Test:
-        return Test("lt", (self.expression, _expression(other)))
-
-    def __ge__(self, other: Operand) -> Test:
-        return Test("leq", (_expression(other), self.expression))
-
-    def __gt__(self, other: Operand) -> Test:
-        return Test("lt", (_expression(other), self.expression))
-
-    def __hash__(self) -> int:
-        return hash(self.expression)
-
-
-@dataclass(frozen=True, slots=True)
-class Test:
-    """A relation between terms: required, or the test of a guard."""
-
-    procedure: str
-    arguments: tuple[Expression, ...]
-
-
-Operand = Any
-"""A Term, a model object, or a plain value."""
-
-
-def _expression(operand: object) -> Expression:
-    return operand.expression if isinstance(operand, Term) else Constant(operand)
 
 
 class ModelBuilder:
@@ -191,6 +139,11 @@ class PredicateBuilder:
         path = ("object", thing) if isinstance(thing, str) else (thing.name,)
         return PredicateBuilder(self._manager, self.cls, self.name, Ref(path))
 
+    def where(self, **values: Operand | Iterable[Any]) -> AllowedBuilder:
+        """The predicate as one of the values of a constraint token, with parameters that equal a term or a value, or
+        are among some values."""
+        return AllowedBuilder(self, values)
+
     @contextmanager
     def requires(self, where: str = "") -> Iterator[RuleBuilder]:
         """State a configuration constraint: what must hold whenever this is the attribute's value."""
@@ -268,8 +221,36 @@ class RuleBuilder:
         """The target starts and ends with this token."""
         return self.relation("equals", target, (), **equal)
 
+    def constraint_token(
+        self,
+        relation: str,
+        allowed: Sequence[PredicateBuilder | AllowedBuilder],
+        bounds: Bounds | Sequence[Bounds] = (),
+        *,
+        attribute: str = "",
+    ) -> ConstraintTokenBuilder:
+        """Over an interval in a temporal relation to this token an attribute has only the allowed values, and may
+        change among them. `attribute`: `"Class.attribute"`, needed only to allow no value at all."""
+        values = tuple(_allowed(self._manager, a) for a in allowed)
+        of = _attribute(self._manager, values, attribute)
+        name = f"{self._prefix}{of[1]}{len(self._statements)}"
+        pairs = _pairs(bounds)
+        distances(relation, pairs)
+        self._manager.check_allowed(of, values)
+        targets = [a.predicate.target if isinstance(a, AllowedBuilder) else a.target for a in allowed]
+        self._statements.append(Confine(relation, of, values, name, targets[0] if targets else None, pairs))
+        return ConstraintTokenBuilder(name)
+
+    def throughout(self, *allowed: PredicateBuilder | AllowedBuilder) -> ConstraintTokenBuilder:
+        """As long as this lasts, an attribute has only the allowed values, and may change among them."""
+        return self.constraint_token("equals", allowed)
+
     def relate(
-        self, relation: str, origin: TokenBuilder, target: TokenBuilder, bounds: Bounds | Sequence[Bounds] = ()
+        self,
+        relation: str,
+        origin: TokenBuilder | ConstraintTokenBuilder,
+        target: TokenBuilder | ConstraintTokenBuilder,
+        bounds: Bounds | Sequence[Bounds] = (),
     ) -> None:
         """A temporal relation between two tokens named here."""
         self._statements.append(Relate(relation, origin.name, target.name, _pairs(bounds)))
@@ -281,7 +262,7 @@ class RuleBuilder:
     def constrain(self, procedure: str, *arguments: Operand) -> None:
         """The constraint procedure of that name holds over the arguments."""
         self._manager.procedures.get(procedure).check_scope(len(arguments))
-        self._statements.append(Require(procedure, tuple(_expression(a) for a in arguments)))
+        self._statements.append(Require(procedure, tuple(expression_of(a) for a in arguments)))
 
     def local(self, name: str, type_: str | Domain) -> Term:
         """A local variable; one of a class ranges over its instances: there is one such that ..."""
@@ -313,6 +294,24 @@ class RuleBuilder:
             for target in targets:
                 with alternatives.alternative() as alternative:
                     alternative.relation(relation, target, bounds)
+
+
+@dataclass(frozen=True, slots=True)
+class AllowedBuilder:
+    """A value of a constraint token, made by `PredicateBuilder.where`."""
+
+    predicate: PredicateBuilder
+    values: Mapping[str, Any]
+
+
+class ConstraintTokenBuilder:
+    """A constraint token named in a rule; its times and its object are its attributes."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.start, self.end, self.duration, self.object = (
+            Term(Ref((name, which))) for which in ("start", "end", "duration", "object")
+        )
 
 
 class AlternativesBuilder:
@@ -351,6 +350,30 @@ def _checked(manager: ModelManager, predicate: PredicateBuilder, name: str) -> s
     if name not in known:
         raise ModelError(f"{predicate!r} has no variable {name!r}{nearest(name, known)}")
     return name
+
+
+def _allowed(manager: ModelManager, value: PredicateBuilder | AllowedBuilder) -> AllowedValue:
+    predicate, values = (value.predicate, value.values) if isinstance(value, AllowedBuilder) else (value, {})
+    declared = {p.name: p.type for p in manager.predicate(predicate.cls, predicate.name).parameters}
+    parameters = []
+    for name, operand in values.items():
+        domain = None
+        if isinstance(operand, set | frozenset | list | tuple) and name in declared:
+            known = manager.domain_of(declared[name])
+            numbers = isinstance(known, Interval)
+            domain = Universe(name, operand).domain() if numbers else known.keep(operand)  # type: ignore[union-attr]
+        parameters.append((name, expression_of(operand) if domain is None else Constant(domain=domain)))
+    return AllowedValue((predicate.cls, predicate.name), tuple(parameters))
+
+
+def _attribute(manager: ModelManager, values: Sequence[AllowedValue], written: str) -> tuple[str, str]:
+    if written:
+        cls, _, name = written.partition(".")
+        return cls, name
+    if not values:
+        raise ModelError("constraint token: expected allowed values, or the attribute that may have none")
+    cls, name = values[0].predicate
+    return cls, manager.predicate(cls, name).attribute
 
 
 def _pairs(bounds: Bounds | Sequence[Bounds]) -> tuple[Bounds, ...]:

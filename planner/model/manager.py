@@ -14,7 +14,19 @@ from planner.errors import ModelError, nearest
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
 from planner.model.relations import distances
 from planner.model.resources import USES, add_resource_predicates, resource_classes
-from planner.model.rules import ForEach, Guard, OneOf, Ref, Relate, Require, Rule, Statement, Subgoal
+from planner.model.rules import (
+    AllowedValue,
+    Confine,
+    ForEach,
+    Guard,
+    OneOf,
+    Ref,
+    Relate,
+    Require,
+    Rule,
+    Statement,
+    Subgoal,
+)
 
 BASIC: dict[str, Domain] = {
     "int": Interval(-math.inf, math.inf),
@@ -298,12 +310,37 @@ class ModelManager:
         known = [*BASIC, "string", *self.enumerations, *self._aliases, *self._classes]
         raise ModelError(f"there is no type named {type_!r}{nearest(type_, known)}")
 
+    def check_allowed(self, attribute: tuple[str, str], values: Sequence[AllowedValue]) -> None:
+        """ModelError unless a constraint token on an attribute, (class, name), may have these values, each predicate
+        once."""
+        cls, name = attribute
+        known = self.attributes_of(cls)
+        if name not in known or known[name].kind != "timeline":
+            timelines = [n for n, found in known.items() if found.kind == "timeline"]
+            raise ModelError(f"class {cls} has no timeline named {name!r}{nearest(name, timelines)}")
+        seen = set()
+        for value in values:
+            declared = self.predicate(*value.predicate)
+            related = self.is_subclass(cls, declared.cls) or self.is_subclass(declared.cls, cls)
+            if declared.attribute != name or not related:
+                raise ModelError(f"{declared.full_name} is no value of the attribute {cls}.{name}")
+            if declared.full_name in seen:
+                raise ModelError(f"{declared.full_name} is given twice: expected each predicate once")
+            seen.add(declared.full_name)
+            parameters = [p.name for p in declared.parameters]
+            for parameter, _ in value.parameters:
+                if parameter not in parameters:
+                    hint = nearest(parameter, parameters)
+                    raise ModelError(f"{declared.full_name} has no parameter {parameter!r}{hint}")
+
     def _check_statements(self, statements: Sequence[Statement], where: str) -> None:
         for statement in statements:
             try:
                 if isinstance(statement, Subgoal):
                     self.predicate(*statement.predicate)
-                if isinstance(statement, Subgoal | Relate):
+                elif isinstance(statement, Confine):
+                    self.check_allowed(statement.attribute, statement.values)
+                if isinstance(statement, Subgoal | Confine | Relate):
                     distances(statement.relation, statement.bounds)
                 elif isinstance(statement, Require):
                     self.procedures.get(statement.procedure).check_scope(len(statement.arguments))

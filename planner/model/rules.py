@@ -66,6 +66,31 @@ class Subgoal:
 
 
 @dataclass(frozen=True, slots=True)
+class AllowedValue:
+    """A value pattern: a predicate (class, name), and parameters each of which equals an expression; one that is a
+    constant with a domain allows any of its values."""
+
+    predicate: tuple[str, str]
+    parameters: tuple[tuple[str, Expression], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Confine:
+    """`relation(attribute in values)`: there is an interval in that temporal relation to this token's over which the
+    attribute, `(class, name)`, has only these values, and may change among them: a constraint token (paper, section 3).
+
+    The rest is as for a `Subgoal`.
+    """
+
+    relation: str
+    attribute: tuple[str, str]
+    values: tuple[AllowedValue, ...]
+    name: str
+    target: Ref | None = None
+    bounds: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Relate:
     """A temporal relation between two tokens that have names here."""
 
@@ -128,7 +153,7 @@ class ForEach:
     body: tuple[Statement, ...]
 
 
-Statement = Subgoal | Relate | Require | Local | Guard | OneOf | ForEach
+Statement = Subgoal | Confine | Relate | Require | Local | Guard | OneOf | ForEach
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,7 +108,7 @@ class Retraction:
             owner = self._owners.pop()
             if isinstance(owner, Operation):
                 self._suspend(owner)
-            else:
+            elif not owner.withdrawn:  # what two tokens make of each other goes with either
                 self.instances.append(owner)
                 if owner.extent is not None:
                     self._withdraw(owner.extent)
@@ -130,7 +130,7 @@ class Retraction:
         if isinstance(statement, Codesignation):
             self._withdraw(extent)
             return
-        if token.kind not in ("timeline", "unordered"):
+        if token.kind not in ("timeline", "unordered", "constraint"):
             raise Unsuited
         self._drop_changes(token.object, operation)
         self.edges.update(self.precedences.of(token))
@@ -253,7 +253,7 @@ class Retraction:
                     raise Unsuited
             if isinstance(variable, DurationVariable):
                 for edge in variable.narrowings:
-                    if self.network.posted_at(edge).changes >= index:
+                    if self.network.posted_at(edge).changes > index:  # posted after the change was noted
                         self.edges.add(edge)
             for watcher in variable.watchers:
                 if id(watcher) in self.propagators or isinstance(watcher, BoundsWatch):
@@ -298,7 +298,8 @@ class Retraction:
         for variable in constraint.scope:
             if not isinstance(variable, Variable):
                 for edge in variable.narrowings:
-                    if edge > first and self.network.stakeholder_named(edge) is constraint:
+                    later = self.network.posted_at(edge).edges > first
+                    if later and self.network.stakeholder_named(edge) is constraint:
                         self.edges.add(edge)
             if not isinstance(variable, TimeVariable):
                 gone = []

@@ -15,7 +15,7 @@ from planner.constraints.network import AnyVariable, Owner
 from planner.database import PlanDatabase
 from planner.model.classes import objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Insert, Limit, Order, Reject, Settle
-from planner.search.flaws import Flaw, OpenToken, Undecided
+from planner.search.flaws import Astride, Flaw, OpenToken, Undecided
 from planner.tokens.instance import RuleInstance
 from planner.tokens.resources import Clash
 from planner.tokens.token import Token
@@ -55,7 +55,7 @@ class Culprits:
 
     def of_flaw(self, flaw: Flaw) -> set[int]:
         """The places of the decisions that left a flaw with the choice of decisions that it has now."""
-        if isinstance(flaw, Undecided):
+        if isinstance(flaw, Undecided | Astride):
             return self.of([flaw.variable.owner, *self._reasons([flaw.variable])])
         if isinstance(flaw, OpenToken):
             return self.of(self._behind_openings(flaw.token))
@@ -69,7 +69,9 @@ class Culprits:
         return reasons(self.database.network, variables)
 
     def _behind_instance(self, instance: RuleInstance) -> list[Owner]:
-        behind = [] if instance.token is None else _behind_token(instance.token)
+        behind = [
+            owner for token in (instance.token, instance.beside) if token is not None for owner in _behind_token(token)
+        ]
         if instance.cause is not None:
             behind += [instance.parent, *self._reasons(instance.cause.scope)]
         return behind

@@ -16,6 +16,7 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.model.classes import objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Limit, Order, Reject, Settle
+from planner.tokens.coverage import SIDES, Coverage
 from planner.tokens.groups import OpenGroup, Rank
 from planner.tokens.instance import GuardInstance
 from planner.tokens.resources import Clash, Precede
@@ -78,6 +79,24 @@ class Undecided:
         return f"undecided {self.variable!r}"
 
 
+class Astride:
+    """A value token that may overlap a constraint token which, as far as is known, does not allow it."""
+
+    __slots__ = ("coverage", "variable")
+
+    def __init__(self, coverage: Coverage) -> None:
+        self.coverage = coverage
+        self.variable = coverage.side
+
+    def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
+        """Let the value be an allowed one, or the token come before, or after; what holds anyway first."""
+        for side in self.coverage.sides():
+            yield Assign(self.variable, side, SIDES.domain((side,)))
+
+    def __repr__(self) -> str:
+        return f"astride {self.variable!r}"
+
+
 class Contention:
     """Tokens that together overdraw a resource in some schedule that the plan allows."""
 
@@ -124,7 +143,7 @@ WAYS: dict[str, tuple[tuple[str, bool, bool], ...]] = {
     "lt": (("lt", False, True), ("leq", True, False)),
 }
 
-Flaw = OpenToken | Undecided | Unsettled | Contention
+Flaw = OpenToken | Undecided | Astride | Unsettled | Contention
 
 NOT_FORCED = (0,)
 """Below this is the rank of a token with a single decision or none."""
@@ -145,7 +164,8 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     What the problem says is true comes first: exogenous tokens look there for a host. Then a token without a decision,
     then one with a single decision; then the alternatives that the problem's own tokens leave open, since they decide
     what else is needed; then tokens, those nearest to the problem first (depth), and among them the one with the fewest
-    decisions; then variables with the fewest values; then guards on times; then contentions.
+    decisions; then values that constraint tokens may not allow; then variables with the fewest values; then guards on
+    times; then contentions.
     """
     token = _given(database)
     if token is not None:
@@ -164,6 +184,9 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     if undecided is None:
         if best is not None:
             return best
+        astride = next((Astride(coverage) for coverage in database.tokens.open_coverages()), None)
+        if astride is not None:
+            return astride, astride.decisions(database)
         undecided = _smallest(database)
     if undecided is not None:
         return undecided, undecided.decisions(database)

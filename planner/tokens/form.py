@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from planner.domains import Domain, Interval, Values
 from planner.model.classes import Kind, Predicate
 from planner.model.manager import ModelManager
+
+TokenKind = Kind | Literal["constraint"]
+"""What a value token's attribute says of it, or that it is a constraint token."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +18,7 @@ class Form:
     """A predicate, its attribute's kind, and the domains that the variables of its tokens begin with."""
 
     predicate: Predicate
-    kind: Kind
+    kind: TokenKind
     objects: Values
     duration: Interval
     parameters: tuple[tuple[str, Domain], ...]

@@ -19,6 +19,7 @@ from planner.model.classes import ModelObject, objects_in
 from planner.model.relations import Distance, distances
 from planner.model.rules import (
     Apply,
+    Confine,
     Constant,
     Expression,
     ForEach,
@@ -31,6 +32,8 @@ from planner.model.rules import (
     Statement,
     Subgoal,
 )
+from planner.tokens.limits import Allowed
+from planner.tokens.limits import create as create_limit
 from planner.tokens.path import TokenPath
 from planner.tokens.token import Token
 
@@ -53,9 +56,9 @@ class Extent(NamedTuple):
 class RuleInstance:
     """A schema's body applied to a token: the owner of all that its statements made. `label` says which, for people;
     it is made text only when somebody asks. `cause`: the guard or loop that applied a part of the body. `path`: what
-    tells the names of its subgoals from those of the token's other rules."""
+    tells the names of its subgoals from those of the token's other rules. `beside`: another token that it rests on."""
 
-    __slots__ = ("cause", "extent", "label", "names", "parent", "path", "token", "withdrawn")
+    __slots__ = ("beside", "cause", "extent", "label", "names", "parent", "path", "token", "withdrawn")
 
     def __init__(
         self,
@@ -64,11 +67,13 @@ class RuleInstance:
         parent: RuleInstance | None = None,
         cause: GuardInstance | ForEachInstance | None = None,
         path: str = "",
+        beside: Token | None = None,
     ) -> None:
         self.label = label
         self.token = token
         self.parent = parent
         self.cause = cause
+        self.beside: Token | None = beside if parent is None else parent.beside
         self.path: str = path if parent is None else parent.path + path
         self.names: dict[str, Named] = {}
         self.extent: Extent | None = None
@@ -167,11 +172,35 @@ def carry_out(manager: TokenNetworkManager, statements: Sequence[Statement], ins
 
 
 def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleInstance) -> None:
-    master = instance.token
-    step = instance.path + statement.name
-    path = TokenPath.of(step) if master is None else master.path.then(step)
-    token = manager.create(statement.predicate, path, "subgoal", instance, master)
+    token = manager.create(statement.predicate, _path(statement.name, instance), "subgoal", instance, instance.token)
     token.solitary = token.solitary or statement.solitary
+    _place_subgoal(manager, statement, token, instance)
+
+
+def _confine(manager: TokenNetworkManager, statement: Confine, instance: RuleInstance) -> None:
+    allowed = []
+    for value in statement.values:
+        limits: dict[str, AnyVariable | Domain] = {}
+        for name, expression in value.parameters:
+            domain = expression.domain if isinstance(expression, Constant) else None
+            limits[name] = evaluate(manager, expression, instance) if domain is None else domain
+        allowed.append(Allowed(manager.model.predicate(*value.predicate), limits))
+    path = _path(statement.name, instance)
+    token = create_limit(manager, statement.attribute, allowed, path, "subgoal", instance, instance.token)
+    _place_subgoal(manager, statement, token, instance)
+
+
+def _path(name: str, instance: RuleInstance) -> TokenPath:
+    """The path of a token that an instance asks for."""
+    master = instance.token
+    step = instance.path + name
+    return TokenPath.of(step) if master is None else master.path.then(step)
+
+
+def _place_subgoal(
+    manager: TokenNetworkManager, statement: Subgoal | Confine, token: Token, instance: RuleInstance
+) -> None:
+    """Give a token that an instance asks for its name, its object and its place in time."""
     instance.names[statement.name] = token
     if statement.target is not None:
         target = resolve(manager, statement.target, instance)
@@ -181,8 +210,8 @@ def _subgoal(manager: TokenNetworkManager, statement: Subgoal, instance: RuleIns
             manager.network.restrict(token.object, manager.domain_of_object(target), instance)
         else:
             manager.require("eq", (token.object, target), instance)
-    if master is not None:
-        relate(manager, distances(statement.relation, statement.bounds), master, token, instance)
+    if instance.token is not None:
+        relate(manager, distances(statement.relation, statement.bounds), instance.token, token, instance)
 
 
 def _relate(manager: TokenNetworkManager, statement: Relate, instance: RuleInstance) -> None:
@@ -261,6 +290,7 @@ def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstan
 
 _CARRY_OUT: dict[type, Callable[[TokenNetworkManager, Any, RuleInstance], None]] = {
     Subgoal: _subgoal,
+    Confine: _confine,
     Relate: _relate,
     Require: _require,
     Local: _local,

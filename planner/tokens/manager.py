@@ -17,6 +17,7 @@ from planner.model.classes import ModelObject, objects_in
 from planner.model.manager import ModelManager
 from planner.model.resources import USES
 from planner.model.rules import Statement
+from planner.tokens.coverage import Coverage, cover
 from planner.tokens.form import Form, form_of
 from planner.tokens.instance import Extent, GuardInstance, Named, RuleInstance, carry_out
 from planner.tokens.openness import OpenTokens
@@ -32,9 +33,9 @@ class TokenNetworkManager:
 
     Every change is trailed. `open` are the inactive tokens, `undecided` the variables that a complete
     plan must bind in order of creation, `settled` those that had one value from the start, `alternatives` those that
-    choose between the alternatives of a rule of a token that the problem states: the order of a search never depends on
-    what was undone before. `by_path` are the tokens by their paths and `variables` the variables that rules have of
-    their own; of two with one name, the first.
+    choose between the alternatives of a rule of a token that the problem states, `coverages` what constraint tokens
+    make of value tokens: the order of a search never depends on what was undone before. `by_path` are the
+    tokens by their paths and `variables` the variables that rules have of their own; of two with one name, the first.
     """
 
     def __init__(self, model: ModelManager, network: ConstraintNetworkManager, trail: Trail) -> None:
@@ -53,6 +54,7 @@ class TokenNetworkManager:
         self.readings: dict[int, list[RuleInstance]] = {}
         self.alternatives: list[Variable] = []
         self.guards: list[GuardInstance] = []
+        self.coverages: list[Coverage] = []
         self._fired = 0
         self.timelines: dict[tuple[ModelObject, str], Timeline] = {}
         self.resources: dict[ModelObject, Resource] = {}
@@ -78,14 +80,19 @@ class TokenNetworkManager:
     ) -> Token:
         """A new inactive token of `(class, predicate)` with its parameter constraints."""
         form = self._forms.get(predicate) or self._form(predicate)
-        token = Token(self.network, self.tokens[-1].id + 1 if self.tokens else 0, path, form, role, owner, master)
+        token = self.enter(form, path, role, owner, master)
         instance = RuleInstance(form.label, token)
         self.network.distance(token.start, token.end, form.duration.lower, form.duration.upper, instance)
+        self.carry_out(form.predicate.body, instance)
+        return token
+
+    def enter(self, form: Form, path: TokenPath, role: Role, owner: Owner, master: Token | None) -> Token:
+        """A new inactive token, with nothing said of it yet."""
+        token = Token(self.network, self.tokens[-1].id + 1 if self.tokens else 0, path, form, role, owner, master)
         self.trail.append(self.tokens, token)
         if path not in self.by_path:
             self.trail.add(self.by_path, path, token)
         self.open.add(token)
-        self.carry_out(form.predicate.body, instance)
         return token
 
     def _form(self, predicate: tuple[str, str]) -> Form:
@@ -107,15 +114,30 @@ class TokenNetworkManager:
         self.open.moved((timeline.object, timeline.attribute))
         self.trail.assign(token, "placed_by", owner)
         self._activate(token)
+        for limit in timeline.limits:
+            cover(self, limit, token)
 
     def activate(self, token: Token, owner: Owner) -> None:
-        """Make a token of an attribute without order active: a transaction on a resource, or a value on its own."""
+        """Make a token without a slot of its own active: a transaction on a resource, a value of an attribute without
+        order, or a constraint token, which lies over a timeline."""
+        if token.kind == "constraint":
+            self._confine(token, owner)
+            return
         if token.kind in ("reusable", "reservoir"):
             self.resources[token.thing].add(token)
         else:
             self.trail.append(self._unordered_of(token), token)
         self.trail.assign(token, "placed_by", owner)
         self._activate(token)
+
+    def _confine(self, limit: Token, owner: Owner) -> None:
+        timeline = self.timeline_of(limit)
+        self.trail.append(timeline.limits, limit)
+        self.trail.assign(limit, "placed_by", owner)
+        self.trail.assign(limit, "state", TokenState.ACTIVE)
+        self.open.close(limit)
+        for token in timeline.sequence:
+            cover(self, limit, token)
 
     def merge(self, token: Token, host: Token, owner: Owner) -> None:
         """Codesignate an inactive token with an active one: equality of all their variables, owned by `owner`."""
@@ -261,6 +283,10 @@ class TokenNetworkManager:
         if first > self._fired:
             self.trail.assign(self, "_fired", first)
         return (guard for guard in guards[first:] if not guard.fired)
+
+    def open_coverages(self) -> Iterator[Coverage]:
+        """The pairs of a constraint token and a value token on which it still depends where they are to each other."""
+        return (coverage for coverage in self.coverages if not coverage.is_settled)
 
     def constant(self, value: Any) -> Variable:
         """A variable that has a value for ever."""

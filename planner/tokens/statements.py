@@ -6,9 +6,11 @@ import math
 
 from planner.constraints.network import AnyVariable
 from planner.domains import Domain, Interval, Universe
-from planner.errors import ProblemError, nearest
+from planner.errors import ModelError, ProblemError, nearest
+from planner.model.rules import AllowedValue, Constant
 from planner.plan import Bounds, Value
-from planner.problem import TokenPattern
+from planner.problem import ConstraintPattern, TokenPattern
+from planner.tokens.limits import Allowed
 from planner.tokens.manager import TokenNetworkManager
 from planner.tokens.token import Token
 
@@ -45,6 +47,41 @@ def apply_pattern(manager: TokenNetworkManager, token: Token, pattern: TokenPatt
         )
     else:
         _bound(manager, token.duration, pattern.duration, owner)
+
+
+def allowed_values(
+    manager: TokenNetworkManager, pattern: ConstraintPattern, name: str
+) -> tuple[tuple[str, str], list[Allowed]]:
+    """The attribute, (class, name), and the values of a constraint token; ProblemError for what means nothing."""
+    model = manager.model
+    cls, _, attribute = pattern.attribute.partition(".")
+    allowed = []
+    try:
+        for value in pattern.values:
+            declared = model.predicate_named(value.predicate)
+            types = {p.name: model.domain_of(p.type) for p in declared.parameters}
+            limits: dict[str, AnyVariable | Domain] = {
+                parameter: _set_of(types[parameter], one, f"{name}: {value.predicate}.{parameter}")
+                for parameter, one in value.parameters.items()
+                if parameter in types
+            }
+            allowed.append(Allowed(declared, limits))
+        model.check_allowed(
+            (cls, attribute),
+            [
+                AllowedValue((a.predicate.cls, a.predicate.name), tuple((p, Constant()) for p in v.parameters))
+                for a, v in zip(allowed, pattern.values, strict=True)
+            ],
+        )
+    except ModelError as error:
+        raise ProblemError(f"{name}: {error}") from error
+    return (cls, attribute), allowed
+
+
+def _set_of(domain: Domain, value: Value | tuple[Value, ...], where: str) -> Domain:
+    """Just these values of a domain: of an interval too, not what lies between."""
+    narrowed = _narrowed(domain, value, where)
+    return Universe(where, value).domain() if isinstance(value, tuple) and isinstance(domain, Interval) else narrowed
 
 
 def _bound(manager: TokenNetworkManager, variable: AnyVariable, bounds: Bounds, owner: str) -> None:

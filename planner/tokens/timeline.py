@@ -15,15 +15,17 @@ from planner.tokens.token import Token
 
 
 class Timeline:
-    """The development of one attribute. `sequence`: the hosts of its filled slots in order."""
+    """The development of one attribute. `sequence`: the hosts of its filled slots in order. `limits`: the constraint
+    tokens that lie over it."""
 
-    __slots__ = ("attribute", "object", "sequence", "temporal")
+    __slots__ = ("attribute", "limits", "object", "sequence", "temporal")
 
     def __init__(self, object_: ModelObject, attribute: str, temporal: TemporalNetworkManager) -> None:
         self.object = object_
         self.attribute = attribute
         self.temporal = temporal
         self.sequence: list[Token] = []
+        self.limits: list[Token] = []
 
     def __repr__(self) -> str:
         return f"{self.object}.{self.attribute}"

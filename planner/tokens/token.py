@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from planner.constraints.network import AnyVariable, ConstraintNetworkManager, DurationVariable, Owner, Variable
 from planner.model.classes import ModelObject
 from planner.tokens.form import Form
 from planner.tokens.groups import OpenGroup, Rank
 from planner.tokens.path import TokenPath
+
+if TYPE_CHECKING:
+    from planner.tokens.limits import Allowed
 
 # goal: must be achieved; rejectable: may be left out; fact: is true and seeks no support; state: holds at the start of
 # the horizon, its rules apply; subgoal: some token's configuration constraint asks for it.
@@ -29,7 +32,8 @@ class TokenState(IntEnum):
 
 
 class Token:
-    """A value token: a predicate name, variables for start, end and duration, and one for each parameter.
+    """A value token: a predicate name, variables for start, end and duration, and one for each parameter. Or a
+    constraint token, without parameters, whose `allowed` are the values to which the attribute keeps.
 
     `path` is its name: that of the statement, then those of the subgoals that lead here. `owner`: who asked for the
     token; `placed_by`: the decision that made it active, or None; `master`: the token whose configuration constraint
@@ -38,6 +42,7 @@ class Token:
     """
 
     __slots__ = (
+        "allowed",
         "depth",
         "duration",
         "end",
@@ -91,6 +96,7 @@ class Token:
         self.placed_by: Owner | None = None
         self.must_host = False
         self.solitary = form.predicate.solitary
+        self.allowed: tuple[Allowed, ...] = ()
         self.group: OpenGroup | None = None
         # The instances of the rules that apply to it.
         self.rules: list[Owner] = []

@@ -82,6 +82,8 @@ def _leave_slot(manager: TokenNetworkManager, token: Token) -> None:
         timeline = manager.timeline_of(token)
         take(manager.trail, timeline.sequence, token)
         manager.open.moved((timeline.object, timeline.attribute))
+    elif token.kind == "constraint":
+        take(manager.trail, manager.timeline_of(token).limits, token)
     else:
         take(manager.trail, manager._unordered_of(token), token)
 

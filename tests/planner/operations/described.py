@@ -22,6 +22,8 @@ def described(database: PlanDatabase) -> dict[str, Any]:
         "rule variables": {name: repr(v.domain) for name, v in tokens.variables.items()},
         "members": {v.name: repr(v.domain) for v in tokens._members.values() if hasattr(v, "watchers") and v.watchers},
         "sequences": {repr(k): [t.name for t in line.sequence] for k, line in tokens.timelines.items()},
+        "limits": {repr(k): sorted(t.name for t in line.limits) for k, line in tokens.timelines.items() if line.limits},
+        "astride": sorted(coverage.side.name for coverage in tokens.open_coverages()),
         "unordered": {k: sorted(t.name for t in users) for k, users in tokens._unordered.items() if users},
         "resources": {k.name: sorted(t.name for t in r.users) for k, r in tokens.resources.items()},
         "open": sorted(t.name for t in tokens.open_tokens.values()),

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from planner.constraints.standard import STANDARD
+from planner.database import PlanDatabase
+from planner.domains import Interval
+from planner.language.builder import ModelBuilder
+from planner.operations import Operation
 from planner.operations.operations import Operations
 from planner.operations.retraction import Retraction, Unsuited
+from planner.problem import TokenPattern
 from tests.planner.operations.driver import Driver
 from tests.planner.operations.worlds import WORLDS
 from tests.planner.tokens.snapshot import snapshot
@@ -44,6 +50,22 @@ def removed_and_undone(operations: Operations, place: int) -> bool:
     after = snapshot(database)
     assert [key for key in before if before[key] != after[key]] == []
     return changed
+
+
+def test_a_restriction_stated_before_the_one_undone_stays() -> None:
+    """What two successive changes of a duration posted is told apart."""
+    builder = ModelBuilder("lamps", STANDARD)
+    builder.timeline("Lamp").predicate("shine")
+    builder.object("lamp", "Lamp")
+    database = PlanDatabase(builder.finish(), (0, 60))
+    tokens = [database.state(TokenPattern("Lamp.shine", duration=(4, 9)), name, "goal") for name in ("one", "other")]
+    database.network.propagate()
+    operations = Operations(database)
+    restriction = operations.restrict(tokens[1].duration, Interval(8, 9))
+    assert isinstance(restriction, Operation)
+    operations.insert("one", "lamp")
+    operations.undo(restriction)
+    assert database.temporal.distance(tokens[1].start.timepoint, tokens[1].end.timepoint) == (4, 9)
 
 
 @pytest.mark.parametrize("world", WORLDS)

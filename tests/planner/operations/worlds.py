@@ -10,7 +10,7 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
-from planner.problem import TokenPattern
+from planner.problem import ConstraintPattern, TokenPattern
 from scenarios.benchmarks.problems import altern_model
 from tests.planner.domains_small import camera_model, rover_model
 
@@ -102,9 +102,55 @@ def switches() -> PlanDatabase:
     return database
 
 
+def keeping_model() -> ModelManager:
+    """Rules that keep attributes to values: of parameters of their own, of another token, of a member of an object."""
+    builder = ModelBuilder("keeping", STANDARD)
+    colour = builder.enumeration("Colour", ["red", "green", "blue"])
+    lamp, stage = builder.timeline("Lamp", {"tint": colour}), builder.timeline("Stage")
+    shine = lamp.predicate("shine", {"colour": colour}, duration=(1, 15))
+    blink = lamp.predicate("blink", {"level": Interval(0, 5)}, duration=(1, 9))
+    play = stage.predicate("play", {"colour": colour, "level": Interval(0, 5)}, duration=(2, 20))
+    pause = stage.predicate("pause", duration=(1, 30))
+    with play.requires() as this:
+        this.throughout(shine.where(colour=this.colour), blink.where(level=this.level))
+        with this.when(this.colour == "red") as red:
+            kept = red.constraint_token("after", [shine.where(colour=["green", "blue"])], (0, 9))
+            red.require(kept.duration >= 3)
+            red.contains(shine, colour="red")
+    with pause.requires() as this, this.either() as either:
+        with either.alternative() as dark:
+            dark.constraint_token("contained_by", [], attribute="Lamp.state")
+        with either.alternative() as calm:
+            calm.throughout(blink.where(level=1))
+    with shine.requires() as this, this.when(this.duration == 5) as five:
+        five.constraint_token("starts_before_end", [pause])
+    for number in (1, 2):
+        builder.object(f"lamp{number}", "Lamp", {"tint": "red"})
+    builder.object("stage", "Stage")
+    return builder.finish()
+
+
+def keeping() -> PlanDatabase:
+    """Plays and pauses to give under lamps, and constraint tokens of the problem's own."""
+    database = PlanDatabase(_model(keeping_model), (0, 60))
+    database.state(TokenPattern("Stage.play", end=(None, 30)), "play", "goal")
+    database.state(TokenPattern("Stage.play", parameters={"colour": ("red", "blue")}, start=(10, 10)), "again", "goal")
+    database.state(TokenPattern("Stage.pause"), "pause", "rejectable")
+    database.state(TokenPattern("Lamp.shine", "lamp1", start=(5, 30), end=(None, 40)), "light", "rejectable")
+    database.state(TokenPattern("Lamp.shine", "lamp1", {"colour": ("green", "blue")}, (12, 20)), "glow", "rejectable")
+    database.state(TokenPattern("Lamp.blink", parameters={"level": (1, 2)}), "signal", "rejectable")
+    database.state(TokenPattern("Lamp.blink", "lamp1", start=(14, 18), duration=(6, None)), "flash", "rejectable")
+    shine = TokenPattern("Lamp.shine", parameters={"colour": ("red", "green")})
+    database.confine(ConstraintPattern("Lamp.state", (shine,), "lamp1", (0, 12), (20, 60)), "mood")
+    database.confine(ConstraintPattern("Lamp.state", (TokenPattern("Lamp.blink"),), "lamp1", duration=(4, 9)), "wink")
+    database.network.propagate()
+    return database
+
+
 WORLDS: dict[str, Callable[[], PlanDatabase]] = {
     "camera": camera,
     "rovers": rovers,
     "altern": altern,
     "switches": switches,
+    "keeping": keeping,
 }

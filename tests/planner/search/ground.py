@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from planner.constraints.standard import STANDARD
 from planner.language.builder import ModelBuilder, PredicateBuilder, RuleBuilder
@@ -35,6 +35,16 @@ class Ask:
 
 
 @dataclass(frozen=True)
+class Keep:
+    """Over an interval in the relation a line has only the allowed values: (kind, x), where None is any x and -1 this
+    token's own."""
+
+    relation: str
+    line: str
+    allowed: tuple[tuple[str, int | None], ...]
+
+
+@dataclass(frozen=True)
 class When:
     """The statements apply when this token's x is the value."""
 
@@ -49,6 +59,9 @@ class Either:
     bodies: tuple[tuple[Ask, ...], ...]
 
 
+Statement = Ask | Keep | When | Either
+
+
 @dataclass(frozen=True)
 class Kind:
     """A predicate with one parameter x, on a timeline, with what it asks for."""
@@ -57,7 +70,7 @@ class Kind:
     line: str
     duration: tuple[int, int]
     exogenous: bool = False
-    rule: tuple[Ask | When | Either, ...] = ()
+    rule: tuple[Statement, ...] = ()
 
 
 @dataclass(frozen=True, order=True)
@@ -68,6 +81,16 @@ class Token:
     x: int
     start: int
     end: int
+
+
+@dataclass(frozen=True)
+class Span:
+    """A ground constraint token: a line, its times, the values that it allows."""
+
+    line: str
+    start: int
+    end: int
+    allowed: frozenset[tuple[str, int]]
 
 
 @dataclass(frozen=True)
@@ -103,6 +126,20 @@ class Small:
             if holds(ask.relation, (token.start, token.end, t.start, t.end), ask.bounds) and wanted in (None, t.x)
         ]
 
+    def spans(self, token: Token, keep: Keep) -> Iterator[Span]:
+        """The intervals over which a line could be kept; a longer one than needed asks for more."""
+        values = {(k, token.x if x == -1 else x) for k, x in keep.allowed}
+        allowed = frozenset((k, x) for k in self.kinds for x in VALUES if {(k, x), (k, None)} & values)
+        for start in range(HORIZON[0] - REACH, HORIZON[1] + REACH):
+            for end in range(start, HORIZON[1] + REACH):
+                if holds(keep.relation, (token.start, token.end, start, end), ()):
+                    yield Span(keep.line, start, end, allowed)
+
+    def spoils(self, token: Token, span: Span) -> bool:
+        """Whether a token has a value that a constraint token does not allow."""
+        overlaps = token.end > span.start and span.end > token.start
+        return overlaps and self.kinds[token.kind].line == span.line and (token.kind, token.x) not in span.allowed
+
     def fits(self, plan: frozenset[Token], token: Token) -> bool:
         line = self.kinds[token.kind].line
         return all(
@@ -110,7 +147,7 @@ class Small:
         )
 
 
-def outside(token: Token) -> bool:
+def outside(token: Token | Span) -> bool:
     """Whether the plan need not speak of the token."""
     return token.end <= HORIZON[0] or token.start >= HORIZON[1]
 
@@ -148,34 +185,46 @@ class Oracle:
                     return True
         return False
 
-    def _satisfy(self, plan: frozenset[Token], agenda: list[tuple[Token, Ask | When | Either]]) -> bool:
+    def _satisfy(
+        self, plan: frozenset[Token], agenda: list[tuple[Token, Statement]], kept: frozenset[Span] = frozenset()
+    ) -> bool:
         self.budget -= 1
         if self.budget < 0:
             raise TimeoutError
         if not agenda:
             return True
         (token, statement), *rest = agenda
+        if isinstance(statement, Keep):
+            spans = list(self.small.spans(token, statement))
+            if any(map(outside, spans)):
+                return self._satisfy(plan, rest, kept)
+            return any(
+                self._satisfy(plan, rest, kept | {span})
+                for span in spans
+                if not any(self.small.spoils(t, span) for t in plan)
+            )
         if isinstance(statement, When):
-            return self._satisfy(plan, [*((token, a) for a in statement.body if token.x == statement.x), *rest])
+            return self._satisfy(plan, [*((token, a) for a in statement.body if token.x == statement.x), *rest], kept)
         if isinstance(statement, Either):
-            return any(self._satisfy(plan, [*((token, a) for a in body), *rest]) for body in statement.bodies)
+            return any(self._satisfy(plan, [*((token, a) for a in body), *rest], kept) for body in statement.bodies)
         candidates = self.small.asked(token, statement)
         if any(outside(c) for c in candidates):
-            return self._satisfy(plan, rest)
+            return self._satisfy(plan, rest, kept)
         kind = self.small.kinds[statement.target]
         for candidate in candidates:
             if candidate in plan:
-                if self._satisfy(plan, rest):
+                if self._satisfy(plan, rest, kept):
                     return True
             elif not kind.exogenous and self.small.fits(plan, candidate):
                 added = [(candidate, s) for s in kind.rule]
-                if self._satisfy(plan | {candidate}, [*rest, *added]):
+                spoilt = any(self.small.spoils(candidate, span) for span in kept)
+                if not spoilt and self._satisfy(plan | {candidate}, [*rest, *added], kept):
                     return True
         return False
 
 
-def random_small(rng: random.Random) -> Small:
-    """A random domain of two timelines and a random problem."""
+def random_small(rng: random.Random, keeping: bool = False) -> Small:
+    """A random domain of two timelines and a random problem. `keeping`: with constraint tokens."""
     names = {"a0": "A", "a1": "A", "b0": "B", "b1": "B"}
     kinds = {}
     for name, line in names.items():
@@ -192,7 +241,19 @@ def random_small(rng: random.Random) -> Small:
     for _ in range(rng.choice((1, 1, 2))):
         early, late = rng.randint(0, 2), rng.randint(3, 5)
         given.append(Given(rng.choice(list(names)), rng.choice((None, 0, 1)), (early, late), (0, HORIZON[1])))
+    if keeping:
+        kinds = {name: replace(k, rule=(*k.rule, *_keeps(rng, names, k.line))) for name, k in kinds.items()}
     return Small(kinds, given)
+
+
+def _keeps(rng: random.Random, names: dict[str, str], line: str) -> Iterator[Keep]:
+    if rng.random() < 0.6:
+        over = rng.choice("AB")
+        known = [n for n in names if names[n] == over and rng.random() < 0.6]
+        relation = rng.choice(
+            ("equals", "contained_by", "starts", "ends", "parallels") if over != line else ("meets", "met_by", "starts")
+        )
+        yield Keep(relation, over, tuple((n, rng.choice((None, 0, 1, -1))) for n in known))
 
 
 def _ask(rng: random.Random, targets: list[str]) -> Ask:
@@ -205,7 +266,7 @@ def _ask(rng: random.Random, targets: list[str]) -> Ask:
     return Ask(relation, rng.choice(targets), bounds, x, same=choice > 0.7)
 
 
-def _statement(rng: random.Random, targets: list[str]) -> Ask | When | Either:
+def _statement(rng: random.Random, targets: list[str]) -> Statement:
     kind = rng.random()
     if kind < 0.6:
         return _ask(rng, targets)
@@ -232,7 +293,7 @@ def model_of(small: Small) -> ModelManager:
     return builder.finish()
 
 
-def _state(rule: RuleBuilder, statement: Ask | When | Either, predicates: dict[str, PredicateBuilder]) -> None:
+def _state(rule: RuleBuilder, statement: Statement, predicates: dict[str, PredicateBuilder]) -> None:
     if isinstance(statement, When):
         with rule.when(rule.x == statement.x) as inside:
             for ask in statement.body:
@@ -243,6 +304,12 @@ def _state(rule: RuleBuilder, statement: Ask | When | Either, predicates: dict[s
                 with alternatives.alternative() as alternative:
                     for ask in body:
                         _state(alternative, ask, predicates)
+    elif isinstance(statement, Keep):
+        values = [
+            predicates[kind].where(**({} if x is None else {"x": rule.x if x == -1 else x}))
+            for kind, x in statement.allowed
+        ]
+        rule.constraint_token(statement.relation, values, attribute=f"{statement.line}.state")
     else:
         token = rule.relation(statement.relation, predicates[statement.target], statement.bounds)
         if statement.same or statement.x is not None:
@@ -263,7 +330,7 @@ def problem_of(small: Small) -> Problem:
 
 def schedules(plan: FlexiblePlan, limit: int = 40) -> Iterator[dict[str, int]]:
     """Whole-number schedules of a plan's hosts, from nothing but its bounds and constraints."""
-    hosts = list(plan.hosts())
+    hosts = [*plan.hosts(), *(t for t in plan.tokens if t.allowed is not None)]
     points = [f"{t.id}.{side}" for t in hosts for side in ("start", "end")]
     window = (HORIZON[0] - REACH, HORIZON[1] + REACH)
     edges = [(c.from_, c.to, c.min, c.max) for c in plan.constraints]
@@ -328,7 +395,10 @@ def violations(small: Small, plan: FlexiblePlan, at: dict[str, int], facts: set[
     return found
 
 
-def _holds(small: Small, plan: frozenset[Token], token: Token, statement: Ask | When | Either) -> bool:
+def _holds(small: Small, plan: frozenset[Token], token: Token, statement: Statement) -> bool:
+    if isinstance(statement, Keep):
+        spans = small.spans(token, statement)
+        return any(outside(span) or not any(small.spoils(t, span) for t in plan) for span in spans)
     if isinstance(statement, When):
         return token.x != statement.x or all(_holds(small, plan, token, a) for a in statement.body)
     if isinstance(statement, Either):

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from planner.checker import check
 from planner.constraints.network import ConstraintNetworkManager, Inconsistency
 from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
@@ -22,6 +23,7 @@ from planner.search.decisions import Codesignate, Decision, Insert
 from planner.search.engines import ENGINES
 from planner.search.flaws import OpenToken
 from planner.search.outcome import Limits
+from planner.tokens.coverage import Coverage
 from planner.tokens.instance import GuardInstance
 from planner.tokens.token import Token
 from tests.planner.search.ground import Oracle, Small, model_of, problem_of, random_small, schedules, violations
@@ -51,13 +53,14 @@ def solve(small: Small, engine: str = "chronological") -> tuple[FlexiblePlan | N
     return found, False, facts, bool(database.tokens.open_tokens)
 
 
-def disagreements(seeds: range, engine: str = "chronological") -> Iterator[tuple[int, str]]:
+def disagreements(seeds: range, engine: str = "chronological", keeping: bool = False) -> Iterator[tuple[int, str]]:
     """Every seed with what came of it: agreement by kind, or what is wrong."""
     for seed in seeds:
-        small = random_small(random.Random(seed))
+        small = random_small(random.Random(seed), keeping)
         found, exhausted, facts, still_open = solve(small, engine)
         if found is not None:
             wrong = [v for at in schedules(found) for v in violations(small, found, at, facts)]
+            wrong += map(str, check(found, model_of(small)) if keeping else ())
             if still_open:
                 yield seed, "open at the boundary"
             elif wrong:
@@ -81,6 +84,15 @@ def test_search_against_the_oracle(engine: str) -> None:
     assert counts["impossible"] > 60
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_search_with_constraint_tokens_against_the_oracle(engine: str) -> None:
+    results = list(disagreements(range(250), engine, keeping=True))
+    assert not [r for r in results if r[1].startswith("WRONG")]
+    counts = Counter(kind for _, kind in results)
+    assert counts["solved"] > 40
+    assert counts["impossible"] > 40
+
+
 def _without(forgotten: Callable[[Decision], bool]) -> Callable[[OpenToken, PlanDatabase], Iterator[Decision]]:
     whole = OpenToken.decisions
 
@@ -101,6 +113,16 @@ def _without(forgotten: Callable[[Decision], bool]) -> Callable[[OpenToken, Plan
 def test_a_forgotten_decision_is_seen(monkeypatch: pytest.MonkeyPatch, forgotten: Callable[[Decision], bool]) -> None:
     monkeypatch.setattr(OpenToken, "decisions", _without(forgotten))
     assert any(kind.startswith("WRONG") for _, kind in disagreements(range(200)))
+
+
+def _first_side(coverage: Coverage) -> Iterator[str]:
+    yield next(iter(coverage.side.domain.values()))
+
+
+@pytest.mark.parametrize(("name", "planted"), [("is_settled", property(lambda _: True)), ("sides", _first_side)])
+def test_a_value_astride_forgotten_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, planted: object) -> None:
+    monkeypatch.setattr(Coverage, name, planted)
+    assert any(kind.startswith("WRONG") for _, kind in disagreements(range(400), keeping=True))
 
 
 def _guard_ignored(guard: GuardInstance, network: ConstraintNetworkManager) -> None:
