@@ -291,18 +291,18 @@ def test_a_rule_without_its_constraint_token_lacks_support() -> None:
     ("pattern", "message"),
     [
         (ConstraintPattern("Attitude.mode", (IDA,)), "class Attitude has no timeline named 'mode'"),
-        (ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pont"),)), "no predicate named 'pont'"),
+        (ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pointAtt"),)), "no predicate named .pointAtt."),
         (ConstraintPattern("Attitude.state", (TokenPattern("Engine.thrust"),)), "Engine.thrust is no value of"),
         (ConstraintPattern("Attitude.state", (IDA, ASTEROIDS)), "Attitude.pointAt is given twice"),
         (ConstraintPattern("Attitude.state", (IDA,), "engine"), "object engine has no"),
         (ConstraintPattern("Attitude.state", (IDA,), start=(5, 3)), "bounds .5 3. are empty"),
         (
-            ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pointAt", None, {"tarjet": "Ida"}),)),
-            "Attitude.pointAt has no parameter 'tarjet'",
+            ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pointAt", None, {"targetx": "Ida"}),)),
+            "Attitude.pointAt has no parameter 'targetx'",
         ),
         (
-            ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pointAt", None, {"target": "Idda"}),)),
-            "'Idda' is not one of",
+            ConstraintPattern("Attitude.state", (TokenPattern("Attitude.pointAt", None, {"target": "Idax"}),)),
+            "'Idax' is not one of",
         ),
     ],
 )
