@@ -26,7 +26,8 @@ from planner.search.outcome import Limits
 from planner.tokens.coverage import Coverage
 from planner.tokens.instance import GuardInstance
 from planner.tokens.token import Token
-from tests.planner.search.ground import Oracle, Small, model_of, problem_of, random_small, schedules, violations
+from tests.planner.search.ground import Oracle, Small, random_small, schedules, violations
+from tests.planner.search.ground_models import model_of, problem_of
 
 LIMITS = Limits(max_steps=3000, max_seconds=20)
 
