@@ -1,7 +1,8 @@
 """Running tokens: started, confirmed, finished, failed, unconfirmed, aborted; each is a distinct event.
 
 A token without an activity only takes time. One with an activity sends its commands, waits for their proof, holds its
-locks, and, where nature decides its duration, ends when telemetry says so and not before or after its bounds.
+locks, and, where nature decides its duration, ends when telemetry says so and not before or after its bounds. What goes
+wrong is a violation only when no recovery is left to try.
 """
 
 from __future__ import annotations
@@ -11,27 +12,37 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from executive.bindings import Activity, Bindings
-from executive.commands import CommandLink, Progress, Transmission
+from executive.commands import CommandLink, Progress
 from executive.conditions import Parameters, Telemetry, Watch
 from executive.journal import Journal
-from executive.locks import LockTable
+from executive.locks import BrokenLock, LockTable
 from executive.monitor import Violation
 from executive.port import TelemetryValue
+from executive.recovery import Case, FaultProtection
+from executive.sends import Confirmation, Send
+from executive.undertaking import Undertaking
 from planner.plan import ParameterValue, PlanToken
 
 
 @dataclass(eq=False)
 class RunningToken:
-    """A token from its start until its end has happened and everything sent for it is proven. Times are seconds."""
+    """A token from its start until its end has happened and everything sent for it is proven. Times are seconds.
+
+    `cases`: what is being done about broken locks, by name. `without`: since when locks that are made up for have been
+    broken. `lost`: what that has cost before.
+    """
 
     token: PlanToken
     activity: Activity | None
     parameters: Parameters
     started: int
-    starting: Transmission | None = None
-    ending: Transmission | None = None
+    starting: Undertaking | None = None
+    ending: Undertaking | None = None
     finish: Watch | None = None
     ended: int | None = None
+    cases: dict[str, Case] = field(default_factory=dict)
+    without: dict[str, int] = field(default_factory=dict)
+    lost: int = 0
 
     def __repr__(self) -> str:
         return f"RunningToken({self.token.id} since {self.started} s)"
@@ -50,6 +61,10 @@ class RunningToken:
     def deadline(self) -> int | None:
         """The last second at which nature may end it."""
         return None if self.token.duration[1] is None else self.started + self.token.duration[1]
+
+    def lost_by(self, now: int) -> int:
+        """For how many seconds it has been without what has to be made up for."""
+        return self.lost + sum(now - since for since in self.without.values())
 
     @property
     def awaits_nature(self) -> bool:
@@ -73,6 +88,7 @@ class Activities:
     plan_id: str
     bindings: Bindings
     link: CommandLink
+    protection: FaultProtection
     journal: Journal
     locks: LockTable = field(default_factory=LockTable)
     running: dict[str, RunningToken] = field(default_factory=dict)
@@ -87,7 +103,7 @@ class Activities:
         if activity is None:
             return []
         if began is None and (activity.start or activity.started.conditions):
-            run.starting = Transmission(self.link, activity.start, activity.started, parameters, token.id)
+            run.starting = self._undertake(activity.start, activity.started, run)
             run.starting.send(telemetry, now)
             return []
         return self._confirmed(run, telemetry, now)
@@ -97,9 +113,9 @@ class Activities:
         before = run.token.id
         del other.running[before]
         other.locks.hand_over(before, self.locks, token.id)
-        for transmission in (run.starting, run.ending):
-            if transmission is not None:
-                transmission.serve(token.id)
+        for undertaking in (run.starting, run.ending):
+            if undertaking is not None:
+                undertaking.serve(token.id)
         run.token = token
         self.running[token.id] = run
         if run.ended is None:
@@ -114,12 +130,12 @@ class Activities:
         """The token's end happens now: its locks go, its end commands go out. Returns it if it is over with that."""
         run = self.running[token_id]
         run.ended = now
-        self.locks.release(token_id)
+        self._release(run)
         if run.starting is not None:
             run.starting.no_more_tries()  # starting it again after its end would be worse than not at all
         activity = run.activity
         if activity is not None and (activity.end or activity.ended.conditions):
-            run.ending = Transmission(self.link, activity.end, activity.ended, run.parameters, token_id)
+            run.ending = self._undertake(activity.end, activity.ended, run)
             run.ending.send(telemetry, now)
         return self._if_over(run, now)
 
@@ -134,8 +150,7 @@ class Activities:
                 ended += self._watch_finish(run, telemetry, now, violations)
             if run.awaits_nature and run.token not in ended and run.deadline is not None and now >= run.deadline:
                 violations.append(self._late(run, telemetry))
-        for broken in self.locks.broken(telemetry, now):
-            violations.append(Violation("lock", broken.detail, broken.token, broken.lock.conclusion))
+        violations += self._watch_locks(telemetry, now)
         return Progressed(tuple(ended), tuple(over), tuple(violations))
 
     def abort(self, now: int, violations: Iterable[Violation] = ()) -> None:
@@ -145,9 +160,10 @@ class Activities:
             if violation.token is not None:
                 reasons.setdefault(violation.token, f"{violation.kind}: {violation.detail}")
         for run in reversed(tuple(self.running.values())):
-            for transmission in (run.starting, run.ending):
-                if transmission is not None:
-                    transmission.close()
+            for undertaking in (run.starting, run.ending):
+                if undertaking is not None:
+                    undertaking.close()
+            self._release(run)
             if run.token.id in reasons:
                 self._tell(now, "token.failed", run.token, {"reason": reasons[run.token.id]})
             else:
@@ -159,9 +175,9 @@ class Activities:
     def dues(self, now: int) -> Iterable[int]:
         """The seconds at which waiting alone changes something."""
         for run in self.running.values():
-            for transmission in (run.starting, run.ending):
-                if transmission is not None:
-                    yield transmission.due(now)
+            for undertaking in (run.starting, run.ending):
+                if undertaking is not None and (due := undertaking.due(now)) is not None:
+                    yield due
             if run.awaits_nature:
                 if run.deadline is not None:
                     yield run.deadline
@@ -184,14 +200,66 @@ class Activities:
                 if run.ended is None:
                     violations += self._confirmed(run, telemetry, now)
             else:
-                violations.append(_unconfirmed(run, "start", run.starting, progress, telemetry))
+                violations.append(_unconfirmed(run, "start", run.starting, progress))
         if run.ending is not None and (progress := run.ending.follow(telemetry, now)) != "pending":
             if progress == "confirmed":
                 run.ending.close()
                 run.ending = None
             else:
-                violations.append(_unconfirmed(run, "end", run.ending, progress, telemetry))
+                violations.append(_unconfirmed(run, "end", run.ending, progress))
         return self._if_over(run, now)
+
+    def _undertake(self, sends: tuple[Send, ...], confirmation: Confirmation, run: RunningToken) -> Undertaking:
+        return Undertaking(self.link, self.protection, sends, confirmation, run.parameters, run.token.id)
+
+    def _watch_locks(self, telemetry: Telemetry, now: int) -> list[Violation]:
+        """Locks that are broken, restored, or beyond restoring."""
+        for run in self.running.values():
+            self._count_losses(run, telemetry, now)
+            for name, case in tuple(run.cases.items()):
+                if self.locks.kept(run.token.id, name, telemetry):
+                    del run.cases[name]
+                    if case.is_open:
+                        case.recovered(now)
+        excused = self.protection.restoring()
+        violations = []
+        for broken in self.locks.broken(telemetry, now):
+            if broken.lock.name not in excused and (lost := self._lost(broken, telemetry, now)) is not None:
+                violations.append(lost)
+        return violations
+
+    def _lost(self, broken: BrokenLock, telemetry: Telemetry, now: int) -> Violation | None:
+        """A lock that is broken is restored if anything is left to try; if not, it is a violation."""
+        run = self.running[broken.token]
+        lock = broken.lock
+        case = run.cases.get(lock.name)
+        if case is None:
+            case = self.protection.suspect(lock.conclusion, "lock", run.parameters, broken.token, telemetry, now)
+            if case is None:
+                return Violation("lock", broken.detail, broken.token, lock.conclusion)
+            run.cases[lock.name] = case
+        elif case.has_failed_by(now):
+            case.persists(telemetry, now)
+        return None if case.is_open else Violation("lock", broken.detail, broken.token, case.conclusion)
+
+    def _count_losses(self, run: RunningToken, telemetry: Telemetry, now: int) -> None:
+        if run.activity is None or run.ended is not None:
+            return
+        for lock in run.activity.maintained:
+            if not lock.made_up:
+                continue
+            if not self.locks.kept(run.token.id, lock.name, telemetry):
+                run.without.setdefault(lock.name, now)
+            elif (since := run.without.pop(lock.name, None)) is not None:
+                run.lost += now - since
+
+    def _release(self, run: RunningToken) -> None:
+        """Its locks go, and what was being done about them is of no interest any more."""
+        self.locks.release(run.token.id)
+        for case in run.cases.values():
+            if case.is_open:
+                case.abandon()
+        run.cases.clear()
 
     def _confirmed(self, run: RunningToken, telemetry: Telemetry, now: int) -> list[Violation]:
         """The start is proven: locks are taken and nature may end it."""
@@ -248,12 +316,9 @@ class Activities:
         self.journal.write(now, event, entry | dict(more or {}))
 
 
-def _unconfirmed(
-    run: RunningToken, which: str, transmission: Transmission, progress: Progress, telemetry: Telemetry
-) -> Violation:
+def _unconfirmed(run: RunningToken, which: str, undertaking: Undertaking, progress: Progress) -> Violation:
     kind: Literal["refused", "unconfirmed"] = "refused" if progress == "refused" else "unconfirmed"
-    detail = f"{which}: {transmission.complaint(progress, telemetry)}"
-    return Violation(kind, detail, run.token.id, transmission.confirmation.conclusion)
+    return Violation(kind, f"{which}: {undertaking.complaint()}", run.token.id, undertaking.conclusion)
 
 
 def verdict(run: RunningToken) -> Literal["early", "on_time", "late"]:

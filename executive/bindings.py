@@ -2,53 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Literal
 
-from executive.conditions import RELATIVE, Condition, Telemetry, is_reference, parameters_of
+from executive.conditions import Condition, Telemetry, is_reference
 from executive.errors import BindingsError
-from executive.port import TelemetryValue
+from executive.protection import OWN, Monitor, Probe, Response, probe_channel
+from executive.sends import (
+    ACKNOWLEDGED,
+    Conclusion,
+    Confirmation,
+    Send,
+    check_arguments,
+    check_confirmation,
+    check_references,
+    check_seconds,
+)
 from planner.problem import TokenPattern
 
-OWN = "executive."
-"""What the names of the executive's own channels begin with; no plant has them."""
 NEXT_PLAN = f"{OWN}next_plan"
 """Where asking for the next plan stands: "none", "asked", "ready" or "failed"."""
 
 StateFunction = Callable[[Telemetry, frozenset[str]], tuple[TokenPattern, ...]]
-
-
-@dataclass(frozen=True, slots=True)
-class Send:
-    """A command to send: its name and arguments; an argument `"$name"` stands for the token's parameter."""
-
-    name: str
-    arguments: Mapping[str, TelemetryValue] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Conclusion:
-    """What is taken as true of a device from now on: a name that `Bindings.state` understands, and words for people."""
-
-    name: str
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Confirmation:
-    """What proves that commands worked.
-
-    All `conditions` hold for `persistence` seconds in telemetry observed after the commands went out; with no
-    conditions, every command is acknowledged and accepted. Without proof `within` seconds, or at once on a refusal, the
-    commands are sent again, up to `retries` times; then they are unconfirmed, the token fails, and `conclusion`, if
-    any, is drawn.
-    """
-
-    conditions: tuple[Condition, ...] = ()
-    within: int = 5
-    persistence: int = 0
-    retries: int = 0
-    conclusion: Conclusion | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +44,31 @@ class Finish:
 
 @dataclass(frozen=True, slots=True)
 class Maintained:
-    """A property that a running token needs (a property lock): broken once not held for `persistence` seconds."""
+    """A property that a running token needs (a property lock): broken once not held for `persistence` seconds.
+
+    `conclusion` is then drawn, and what the response to it cannot restore makes the token fail. `made_up`: the time
+    without the property is added at the token's end, as far as the plan allows; more than it allows is a violation.
+    """
 
     name: str
     conditions: tuple[Condition, ...]
     persistence: int = 0
     conclusion: Conclusion | None = None
+    made_up: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """As near as the window allows to a preferred time: `seconds` of simulation clock, or, with `after_start` (for
+    ends), after the token's start. `"$name"`: what the token's parameter of that name says.
+    """
+
+    seconds: int | str
+    after_start: bool = False
+
+
+Wish = Literal["earliest", "latest"] | Near
+"""When to perform a timepoint inside the window that the plan leaves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,20 +80,23 @@ class Activity:
     that nature decides the duration, so `finish` is needed. `start`: sent when the token starts, proven by `started`.
     `end`: sent when it ends, proven by `ended`; for a contingent activity that is after its finish was seen.
     `maintained`: locked from the proof of the start to the end. `stop`: brings a running one to a safe halt.
-    `asks_for_plan`: its start asks for the plan of the next horizon.
+    `asks_for_plan`: its start asks for the plan of the next horizon. `starts`, `ends`: when that is done inside the
+    window that the plan leaves, where it is the executive's to choose.
     """
 
     predicate: str
     parameters: tuple[str, ...] = ()
     contingent: bool = False
     start: tuple[Send, ...] = ()
-    started: Confirmation = Confirmation()
+    started: Confirmation = ACKNOWLEDGED
     finish: Finish | None = None
     end: tuple[Send, ...] = ()
-    ended: Confirmation = Confirmation()
+    ended: Confirmation = ACKNOWLEDGED
     maintained: tuple[Maintained, ...] = ()
     stop: tuple[Send, ...] = ()
     asks_for_plan: bool = False
+    starts: Wish = "earliest"
+    ends: Wish = "earliest"
 
     def __post_init__(self) -> None:
         where = f"activity {self.predicate!r}"
@@ -111,21 +109,22 @@ class Activity:
         if self.finish is not None and not self.finish.conditions:
             raise BindingsError(f"{where}.finish.conditions: expected at least one condition, found none")
         known = {*self.parameters, "object"}
+        _check_wishes(where, self.starts, self.ends, self.contingent, known)
         for name in ("start", "end", "stop"):
-            for send in getattr(self, name):
-                _check_references(f"{where}.{name} command {send.name!r}", send.arguments.values(), known)
-        for name, conditions in self._conditions():
-            _check_references(f"{where}.{name}", (c.value for c in conditions), known)
+            check_arguments(f"{where}.{name}", getattr(self, name), known)
+        for name, conditions in self.conditions():
+            check_references(f"{where}.{name}", (c.value for c in conditions), known)
         for name, confirmation in (("started", self.started), ("ended", self.ended)):
-            _check_confirmation(f"{where}.{name}", confirmation)
+            check_confirmation(f"{where}.{name}", confirmation)
         for lock in self.maintained:
-            _check_seconds(f"{where}.maintained {lock.name!r}.persistence", lock.persistence, 0)
+            check_seconds(f"{where}.maintained {lock.name!r}.persistence", lock.persistence, 0)
             if not lock.conditions:
                 raise BindingsError(f"{where}.maintained {lock.name!r}.conditions: expected at least one, found none")
         if self.finish is not None:
-            _check_seconds(f"{where}.finish.persistence", self.finish.persistence, 0)
+            check_seconds(f"{where}.finish.persistence", self.finish.persistence, 0)
 
-    def _conditions(self) -> Iterable[tuple[str, tuple[Condition, ...]]]:
+    def conditions(self) -> Iterable[tuple[str, tuple[Condition, ...]]]:
+        """All that it reads, by the name of the field."""
         yield "started", self.started.conditions
         yield "ended", self.ended.conditions
         if self.finish is not None:
@@ -133,9 +132,14 @@ class Activity:
         for lock in self.maintained:
             yield f"maintained {lock.name!r}", lock.conditions
 
+    def conclusions(self) -> Iterable[Conclusion]:
+        """What may be concluded when it fails."""
+        sources = (self.started, self.ended, self.finish, *self.maintained)
+        return (source.conclusion for source in sources if source is not None and source.conclusion is not None)
+
     def channels(self) -> set[str]:
         """The channels that its conditions read."""
-        return {c for _, conditions in self._conditions() for condition in conditions for c in condition.channels()}
+        return {c for _, conditions in self.conditions() for condition in conditions for c in condition.channels()}
 
 
 def plan_next(predicate: str) -> Activity:
@@ -145,50 +149,6 @@ def plan_next(predicate: str) -> Activity:
     """
     answered = Condition(NEXT_PLAN, "!=", "asked")
     return Activity(predicate, contingent=True, finish=Finish((answered,), hold_early=True), asks_for_plan=True)
-
-
-@dataclass(frozen=True, slots=True)
-class Response:
-    """A recovery that a monitor tries: commands, and the seconds within which the symptom must be gone."""
-
-    name: str
-    commands: tuple[Send, ...]
-    within: int
-    attempts: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Monitor:
-    """Fault protection: the symptom is all `conditions` for `persistence` seconds.
-
-    Each response is tried in order, `attempts` times; when the symptom goes, nothing more happens. When none helped (or
-    there is none) the conclusion is drawn; `replan`: the plan in execution is then given up. A monitor that has
-    concluded is silent from then on.
-    """
-
-    name: str
-    conditions: tuple[Condition, ...]
-    persistence: int
-    conclusion: Conclusion
-    responses: tuple[Response, ...] = ()
-    replan: bool = True
-
-    def __post_init__(self) -> None:
-        where = f"monitor {self.name!r}"
-        if not self.conditions:
-            raise BindingsError(f"{where}.conditions: expected at least one condition, found none")
-        _check_references(f"{where}.conditions", (c.value for c in self.conditions), set())
-        for condition in self.conditions:
-            if condition.op in RELATIVE:
-                raise BindingsError(
-                    f"{where}.conditions: {condition.op!r} compares with the start of an activity, a monitor has none"
-                )
-        _check_seconds(f"{where}.persistence", self.persistence, 0)
-        for response in self.responses:
-            _check_seconds(f"{where}.responses {response.name!r}.within", response.within, 1)
-            _check_seconds(f"{where}.responses {response.name!r}.attempts", response.attempts, 1)
-            for send in response.commands:
-                _check_references(f"{where}.responses {response.name!r}", send.arguments.values(), set())
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,14 +162,13 @@ class Standby:
     confirmation: Confirmation
 
     def __post_init__(self) -> None:
-        for send in self.commands:
-            _check_references(f"standby command {send.name!r}", send.arguments.values(), set())
+        check_arguments("standby", self.commands, set())
         if not self.confirmation.conditions:
             raise BindingsError(
                 "standby.confirmation.conditions: expected what says that standby is reached, found none"
             )
-        _check_references("standby.confirmation", (c.value for c in self.confirmation.conditions), set())
-        _check_confirmation("standby.confirmation", self.confirmation)
+        check_references("standby.confirmation", (c.value for c in self.confirmation.conditions), set())
+        check_confirmation("standby.confirmation", self.confirmation)
 
 
 @dataclass(frozen=True)
@@ -220,7 +179,8 @@ class Bindings:
     conclusions)`: the tokens that hold now, from the latest values of the subscribed channels (no others are there) and
     the names of the conclusions drawn so far; a pure function, and of discrete facts only, since a state at hand-over
     that differs from the state planned for costs another plan. `state_channels`: the channels that it reads.
-    `observed`: channels that nothing reads but that the journal should hold.
+    `observed`: channels that nothing reads but that the journal should hold. `probes`, `monitors`, `responses`: fault
+    protection, see `executive.protection`; at most one response for each conclusion.
     """
 
     activities: tuple[Activity, ...]
@@ -229,56 +189,99 @@ class Bindings:
     state_channels: tuple[str, ...] = ()
     monitors: tuple[Monitor, ...] = ()
     observed: tuple[str, ...] = ()
+    probes: tuple[Probe, ...] = ()
+    responses: tuple[Response, ...] = ()
     _by_predicate: dict[str, Activity] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _by_conclusion: dict[str, Response] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __post_init__(self) -> None:
+        _check_unique("activities", "activity for", [activity.predicate for activity in self.activities])
+        _check_unique("monitors", "monitor", [monitor.name for monitor in self.monitors])
+        _check_unique("probes", "probe", [probe.name for probe in self.probes])
+        _check_unique("responses", "response to", [response.conclusion for response in self.responses])
+        self._by_predicate.update((activity.predicate, activity) for activity in self.activities)
+        self._by_conclusion.update((response.conclusion, response) for response in self.responses)
         for activity in self.activities:
-            if activity.predicate in self._by_predicate:
-                raise BindingsError(f"bindings.activities: expected one activity for {activity.predicate!r}, found two")
-            self._by_predicate[activity.predicate] = activity
-        names = [monitor.name for monitor in self.monitors]
-        for name in names:
-            if names.count(name) > 1:
-                raise BindingsError(f"bindings.monitors: expected one monitor {name!r}, found {names.count(name)}")
+            known = {*activity.parameters, "object"}
+            for conclusion in activity.conclusions():
+                self._check_responses(f"activity {activity.predicate!r}", conclusion, known)
+        for monitor in self.monitors:
+            self._check_responses(f"monitor {monitor.name!r}", monitor.conclusion, set())
+        known_probes = {probe_channel(probe.name) for probe in self.probes}
+        for name in self._read():
+            if name.startswith(OWN) and name != NEXT_PLAN and name not in known_probes:
+                raise BindingsError(f"bindings: condition on {name!r}: the executive has no such channel")
+
+    def _check_responses(self, source: str, conclusion: Conclusion, known: set[str]) -> None:
+        """Follow what may be concluded in turn: it must come to an end, and every recovery must find its parameters."""
+        seen: set[str] = set()
+        following: Conclusion | None = conclusion
+        while following is not None and (response := self.response(following)) is not None:
+            if following.name in seen:
+                raise BindingsError(f"bindings.responses: {following.name!r} leads back to itself by 'otherwise'")
+            seen.add(following.name)
+            response.check_parameters(source, known)
+            following = response.otherwise
 
     def activity(self, predicate: str) -> Activity | None:
         """The activity of that predicate, None when its tokens only take time."""
         return self._by_predicate.get(predicate)
 
+    def response(self, conclusion: Conclusion) -> Response | None:
+        """What is done about a conclusion, None when nothing but planning anew."""
+        return self._by_conclusion.get(conclusion.name)
+
     def channels(self) -> frozenset[str]:
         """Every channel of a plant that a decision or the journal needs."""
-        found = {*self.state_channels, *self.observed}
+        return frozenset(name for name in self._read() if not name.startswith(OWN))
+
+    def thresholds(self) -> dict[str, tuple[Condition, ...]]:
+        """The channels that are only ever compared by size with numbers, and with which: all that matters of them is
+        on which side they are.
+        """
+        found: dict[str, list[Condition]] = {}
+        others = {*self.state_channels, *self.observed}
+        for condition in self._conditions():
+            if condition.is_threshold:
+                found.setdefault(condition.channel, []).append(condition)
+            else:
+                others.update(condition.channels())
+        return {name: tuple(conditions) for name, conditions in found.items() if name not in others}
+
+    def _read(self) -> set[str]:
+        read = {*self.state_channels, *self.observed}
+        read.update(channel for condition in self._conditions() for channel in condition.channels())
+        return read
+
+    def _conditions(self) -> Iterable[Condition]:
         for activity in self.activities:
-            found |= activity.channels()
-        for conditions in (self.standby.confirmation.conditions, *(m.conditions for m in self.monitors)):
-            found.update(c for condition in conditions for c in condition.channels())
-        return frozenset(name for name in found if not name.startswith(OWN))
+            for _, conditions in activity.conditions():
+                yield from conditions
+        yield from self.standby.confirmation.conditions
+        for monitor in self.monitors:
+            yield from (*monitor.conditions, *monitor.votes, *monitor.until)
+        for probe in self.probes:
+            yield from probe.while_
+        for response in self.responses:
+            yield from response.conditions()
 
 
-def _check_references(where: str, values: Iterable[TelemetryValue], known: set[str]) -> None:
-    values = tuple(values)
-    for name in parameters_of(values):
-        if name not in known:
-            expected = ", ".join(sorted(f"${k}" for k in known)) or "no parameter"
-            raise BindingsError(f"{where}: unknown parameter '${name}', expected {expected}")
-    if " command " in where or ".responses " in where:
-        for value in values:
-            if is_reference(value) and str(value).startswith("@"):
-                raise BindingsError(f"{where}: an argument is a value or a '$parameter', found {value!r}")
+def _check_wishes(where: str, starts: Wish, ends: Wish, contingent: bool, known: set[str]) -> None:
+    for name, wish in (("starts", starts), ("ends", ends)):
+        if isinstance(wish, Near):
+            if isinstance(wish.seconds, str):
+                check_references(f"{where}.{name}", (wish.seconds,), known)
+            if not is_reference(wish.seconds):
+                check_seconds(f"{where}.{name}.seconds", wish.seconds, 0)
+        elif wish not in ("earliest", "latest"):
+            raise BindingsError(f"{where}.{name}: expected 'earliest', 'latest' or Near(...), found {wish!r}")
+    if isinstance(starts, Near) and starts.after_start:
+        raise BindingsError(f"{where}.starts: only an end can be wanted some time after the start")
+    if contingent and ends != "earliest":
+        raise BindingsError(f"{where}.ends: nature decides when a contingent activity ends, found {ends!r}")
 
 
-def _check_seconds(where: str, value: object, least: int) -> None:
-    if not isinstance(value, int) or isinstance(value, bool) or value < least:
-        raise BindingsError(
-            f"{where}: expected a whole number of seconds or times of at least {least}, found {value!r}"
-        )
-
-
-def _check_confirmation(where: str, confirmation: Confirmation) -> None:
-    _check_seconds(f"{where}.within", confirmation.within, 1)
-    _check_seconds(f"{where}.persistence", confirmation.persistence, 0)
-    _check_seconds(f"{where}.retries", confirmation.retries, 0)
-    if confirmation.persistence >= confirmation.within:
-        raise BindingsError(
-            f"{where}: a persistence of {confirmation.persistence} s can never be seen within {confirmation.within} s"
-        )
+def _check_unique(field_name: str, what: str, names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise BindingsError(f"bindings.{field_name}: expected one {what} {name!r}, found {names.count(name)}")

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Literal
 
-from executive.bindings import Confirmation, Send
 from executive.conditions import Parameters, Telemetry, Watch, settled
 from executive.journal import Journal
 from executive.port import Acknowledgement, Command, Plant
+from executive.sends import Confirmation, Send
 
 Progress = Literal["pending", "confirmed", "refused", "silent"]
 
 
 class CommandLink:
-    """The only sender of commands: gives them their numbers, and keeps what was said of those still awaited."""
+    """The only sender of commands: gives them their numbers, and keeps what was said of those still awaited.
 
-    def __init__(self, plant: Plant, journal: Journal) -> None:
+    `forbids`: says of a command's name why it must not be sent any more, None when it may; without it all may. One that
+    must not is answered as if it were refused.
+    """
+
+    def __init__(self, plant: Plant, journal: Journal, forbids: Callable[[str], str | None] | None = None) -> None:
         self._plant = plant
         self._journal = journal
+        self._forbids = forbids
         self._sent = 0
         self._answers: dict[int, Acknowledgement | None] = {}
 
@@ -30,10 +35,14 @@ class CommandLink:
             self._sent += 1
             arguments = {name: settled(value, parameters) for name, value in send.arguments.items()}
             entry = {"id": self._sent, "name": send.name, "arguments": arguments, "token": owner}
+            numbers.append(self._sent)
+            if self._forbids is not None and (reason := self._forbids(send.name)) is not None:
+                self._journal.write(now, "command.withheld", entry | {"reason": reason})
+                self._answers[self._sent] = Acknowledgement(self._sent, False, f"not sent: {reason}")
+                continue
             self._journal.write(now, "command.sent", entry)
             self._answers[self._sent] = None
             self._plant.send(Command(self._sent, send.name, arguments))
-            numbers.append(self._sent)
         return tuple(numbers)
 
     def acknowledged(self, answers: Iterable[Acknowledgement], now: int) -> None:
@@ -139,6 +148,11 @@ class Transmission:
     def serve(self, owner: str) -> None:
         """What is sent from now on is sent for that token."""
         self._owner = owner
+
+    def again(self, telemetry: Telemetry, now: int) -> None:
+        """Send them once more after a recovery, with as many retries as at first."""
+        self.tries = 0
+        self.send(telemetry, now)
 
     def no_more_tries(self) -> None:
         """What fails from now on is given up at once."""

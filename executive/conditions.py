@@ -55,6 +55,11 @@ class Condition:
     def __str__(self) -> str:
         return f"{self.channel} {self.op} {self.value}"
 
+    @property
+    def is_threshold(self) -> bool:
+        """Whether it compares a channel by size with a number, so that only the side matters on which the value is."""
+        return self.op in _COMPARE and _is_number(self.value)
+
     def channels(self) -> tuple[str, ...]:
         """The channels that it reads."""
         if isinstance(self.value, str) and self.value.startswith("@"):
@@ -130,8 +135,11 @@ class Watch:
 
     def update(self, telemetry: Telemetry, now: int) -> bool:
         """Whether it has been so for the whole persistence, up to now (seconds)."""
-        pairs = zip(self._conditions, self._references, strict=True)
-        if all(condition.holds(telemetry, reference) for condition, reference in pairs) is not self._wanted:
+        return self.hold(self.is_satisfied(telemetry) is self._wanted, now)
+
+    def hold(self, wanted: bool, now: int) -> bool:
+        """The same for what was found out elsewhere: whether it has been `wanted` for the whole persistence."""
+        if not wanted:
             self._since = None
             return False
         if self._since is None:
@@ -143,6 +151,11 @@ class Watch:
         if self._since is None or (due := self._since + self._persistence) <= now:
             return None
         return due
+
+    def is_satisfied(self, telemetry: Telemetry) -> bool:
+        """Whether all conditions hold at this instant, for however long."""
+        pairs = zip(self._conditions, self._references, strict=True)
+        return all(condition.holds(telemetry, reference) for condition, reference in pairs)
 
     def first_failing(self, telemetry: Telemetry) -> str:
         """The first condition that does not hold, with what was found, for messages."""

@@ -8,14 +8,17 @@ from time import perf_counter
 
 from executive import dispatcher as rte
 from executive.activities import Activities, RunningToken, decided
-from executive.bindings import Bindings
+from executive.bindings import Bindings, Maintained
 from executive.commands import CommandLink
 from executive.conditions import Telemetry
 from executive.forecast import Forecast, Forecaster
+from executive.goals import GoalBook
 from executive.journal import Journal
 from executive.monitor import Violation
 from executive.network import PlanNetwork
 from executive.records import DispatchStatistics
+from executive.recovery import FaultProtection
+from executive.wishes import Wishes
 from planner.plan import ORIGIN, PlanToken
 from planner.temporal.controllability import DispatchableNetwork
 
@@ -39,6 +42,8 @@ class Execution:
         dispatchable: DispatchableNetwork,
         bindings: Bindings,
         link: CommandLink,
+        protection: FaultProtection,
+        goals: GoalBook,
         journal: Journal,
         statistics: DispatchStatistics,
     ) -> None:
@@ -47,15 +52,14 @@ class Execution:
         self._network = network
         self._names = network.stnu.timepoints
         self._dispatcher = rte.Dispatcher(dispatchable)
-        self._activities = Activities(plan_id, bindings, link, journal)
+        self._activities = Activities(plan_id, bindings, link, protection, journal)
         self._journal = journal
         self._statistics = statistics
         self._next: int | None = None
         self._place: dict[str, tuple[int, int]] = {}
         self._goals: dict[str, tuple[str, ...]] = {}
-        # What nothing waits for lasts as long as it may.
-        self._lasting = dict.fromkeys(sorted(network.lasting), network.plan.horizon[1] + 1)
-        self._wishes = self._lasting
+        self._wishes = Wishes(network, bindings)
+        self._least = goals.least
         for line, timeline in enumerate(network.plan.timelines):
             for number, slot in enumerate(timeline.slots):
                 self._place[slot[0]] = (number, line)
@@ -111,8 +115,10 @@ class Execution:
 
     def hold(self, forecast: Forecast | None) -> None:
         """Let nothing that a hand-over counts on end before it; None: as early as allowed again."""
-        later = {} if forecast is None else dict.fromkeys(forecast.held, forecast.handover + 1)
-        self._wishes = later | self._lasting
+        if forecast is None:
+            self._wishes.release()
+        else:
+            self._wishes.hold(forecast.held, forecast.handover + 1)
 
     def departs(self, forecast: Forecast) -> str | None:
         """What is not as was foretold for now; None when everything is."""
@@ -154,15 +160,17 @@ class Execution:
         before = set(self._activities.running)
         performed: list[int] = []
         narrowed: set[int] = set()
-        violations: list[Violation] = []
+        violations = self._make_up(now)
         while True:
             clock = perf_counter()
-            decision = self._dispatcher.next_decision(now, self._wishes)
+            decision = self._dispatcher.next_decision(now, self._wishes.times)
             self._statistics.latencies.append(perf_counter() - clock)
             if decision is None or decision.time > now:
                 self._next = None if decision is None else decision.time
                 break
-            due = [place for place in decision.timepoints if now < self.horizon_end or place not in self._lasting]
+            due = [
+                place for place in decision.timepoints if now < self.horizon_end or place not in self._wishes.lasting
+            ]
             if not due:
                 self._next = decision.time
                 break
@@ -175,10 +183,36 @@ class Execution:
         for token_id, is_start in sorted(self._split(performed), key=lambda effect: self._order(effect, before)):
             if is_start:
                 violations += self._activities.begin(self._network.plan.token(token_id), telemetry, now)
+                self._wishes.started(token_id, now)
                 asks = asks or self._activities.asks_for_plan(token_id)
             elif token_id in self._activities.running:
                 over += self._activities.end(token_id, telemetry, now)
         return Happening(self._goals_of(over), tuple(violations), asks)
+
+    def held(self) -> Iterable[Maintained]:
+        """What running tokens need maintained now."""
+        return self._activities.locks.held()
+
+    def _make_up(self, now: int) -> list[Violation]:
+        """Put ends off for as long as time was lost that has to be made up for; a violation where the plan ends before.
+
+        What has to last is what goals ask for, not what the plan gives.
+        """
+        violations = []
+        for run in tuple(self._activities.running.values()):
+            least = max((self._least(goal) for goal in self._goals.get(run.token.id, ())), default=0)
+            if run.ended is not None or least == 0 or (lost := run.lost_by(now)) == 0:
+                continue
+            end = run.started + least + lost + bool(run.without)
+            place = self._network.index[f"{run.token.id}.end"]
+            latest = self._dispatcher.window(place).latest
+            bounds = [bound for bound in (latest, run.token.end[1]) if bound is not None]
+            if any(end > bound for bound in bounds):
+                detail = f"{lost} s were lost, and it cannot go on until {end} s: it has to end by {min(bounds)} s"
+                violations.append(Violation("short", detail, run.token.id))
+            else:
+                self._wishes.want(f"{run.token.id}.end", end)
+        return violations
 
     def stuck(self) -> tuple[str, ...]:
         """The timepoints still to come if nothing will bring them about: none is due, and no activity is running."""

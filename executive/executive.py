@@ -9,18 +9,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NoReturn
 
-from executive.bindings import NEXT_PLAN, Bindings
+from executive.bindings import NEXT_PLAN, Bindings, Maintained
 from executive.commands import CommandLink
+from executive.conclusions import Conclusions, FaultRecord
+from executive.conditions import Telemetry
 from executive.errors import ExecutiveError
 from executive.execution import Execution, Happening
 from executive.goals import GoalBook
 from executive.inputs import goal_to_json, settings_to_json
 from executive.interlude import Interlude
 from executive.journal import Journal
-from executive.monitor import Conclusions, FaultProtection, FaultRecord, Violation
+from executive.monitor import Diagnoser, Monitors, Violation
 from executive.port import Plant, TelemetryValue
+from executive.probes import Prober
 from executive.records import AdoptedPlan, DispatchStatistics, GoalRecord, Outcome, Settings
+from executive.recovery import FaultProtection
 from executive.replanner import Ready, Replanner
+from executive.subscription import Subscription
 from executive.succession import Succession
 from executive.watchdog import Watchdog
 from planner.problem import Goal, Planner
@@ -35,7 +40,8 @@ class Executive:
 
     The first step observes the plant at the horizon's start: the plant's clock starts a second earlier, or the plant
     takes `advance` to its present time as a look at it. Then `step` by `step`, or `run_until`, and `finish` once.
-    It is in standby or executes a plan, never neither.
+    It is in standby or executes a plan, never neither. `diagnosers`: who explains telemetry beside the domain's
+    monitors.
     """
 
     def __init__(
@@ -47,25 +53,30 @@ class Executive:
         horizon: tuple[int, int],
         journal: Journal,
         settings: Settings | None = None,
+        diagnosers: Iterable[Diagnoser] = (),
     ) -> None:
         self._plant = plant
         self._bindings = bindings
         self._horizon = horizon
         self._journal = journal
         self._settings = settings or Settings()
-        self._channels = bindings.channels()
-        self._telemetry: dict[str, TelemetryValue] = {}
+        self._telemetry: Telemetry = {}
         self._begun = False
         self._now = horizon[0] - 1
         self._due = horizon[0]
-        self._link = CommandLink(plant, journal)
-        self._conclusions = Conclusions(journal)
-        self._protection = FaultProtection(bindings.monitors, self._link, self._conclusions)
+        self._seen: dict[str, TelemetryValue] = {}
+        self._kept = Subscription(bindings)
+        self._conclusions = Conclusions(bindings, journal)
+        self._link = CommandLink(plant, journal, self._conclusions.forbids)
+        self._prober = Prober(bindings.probes, self._link)
+        self._protection = FaultProtection(
+            (Monitors(bindings.monitors), *diagnosers), bindings, self._link, self._conclusions, self._held_locks
+        )
         self._given = tuple(goals)
         self._goals = GoalBook(self._given, journal)
         self._unplanned: list[str] = []
         self._watchdog = Watchdog()
-        self._replanner = Replanner(planner, bindings, self._settings, journal)
+        self._replanner = Replanner(planner, bindings, self._settings, self._conclusions, journal)
         self._statistics = DispatchStatistics()
         self._plans: list[AdoptedPlan] = []
         self._execution: Execution | None = None
@@ -177,8 +188,8 @@ class Executive:
         seen = self._plant.advance(self._now)
         if seen.time != self._now:
             _out_of_step(self._now, seen.time)
-        if changes := {name: value for name, value in seen.changes.items() if name in self._channels}:
-            self._telemetry.update(changes)
+        if changes := self._kept.of(seen.changes, self._seen):
+            self._seen.update(changes)
             self._journal.write(self._now, "observation", {"changes": changes})
         if seen.acknowledgements:
             self._link.acknowledged(seen.acknowledgements, self._now)
@@ -186,14 +197,20 @@ class Executive:
 
     def _identify(self) -> list[Violation]:
         """What this observation means to fault protection, to the plan in execution, and to standby."""
-        self._telemetry[NEXT_PLAN] = "none" if self._succession is None else self._succession.status(self._now)
-        violations = self._protection.update(self._telemetry, self._now)
+        self._seen[NEXT_PLAN] = "none" if self._succession is None else self._succession.status(self._now)
+        self._seen |= self._prober.update(self._conclusions.believed(self._seen), self._now)
+        violations = self._protection.update(self._conclusions.believed(self._seen), self._now)
+        self._telemetry = self._conclusions.believed(self._seen)
         if self._execution is not None:
             violations += self._take(self._execution.observe(self._telemetry, self._now))
         elif self._interlude is not None:
             lost = self._interlude.observe(self._telemetry, self._now)
             violations += [] if lost is None else [lost]
         return violations
+
+    def _held_locks(self) -> Iterable[Maintained]:
+        """What the plan in execution needs maintained now."""
+        return () if self._execution is None else self._execution.held()
 
     # -- recover or replan ---------------------------------------------------------------------------------------------
 
@@ -261,7 +278,7 @@ class Executive:
         self._seek()
         succession = self._succession
         if succession is not None and (ready := succession.plan_to_join(self._now)) is not None:
-            if self._conclusions.names == self._concluded_before:
+            if self._conclusions.planned_for == self._concluded_before:
                 before = self._execution
                 plan_id = self._adopt(
                     ready, succession.reason, succession.requested, succession.attempts, succession.charged
@@ -286,7 +303,7 @@ class Executive:
             self._succession.pursue(self._now)
             if self._succession.is_over and self._succession.joins_at is None:
                 self._succession = None
-        elif self._unplanned and self._conclusions.names == self._concluded_before:
+        elif self._unplanned and self._conclusions.planned_for == self._concluded_before:
             end = self._execution.horizon_end
             known = {goal.id for goal in self._goals.unfinished(end)}
             named = [goal_id for goal_id in self._unplanned if goal_id in known]
@@ -320,13 +337,15 @@ class Executive:
 
     def _begin(self, plan_id: str, ready: Ready, before: Execution | None) -> list[Violation]:
         """Execute a plan from now on, from standby or joined to the one `before`."""
-        self._concluded_before = self._conclusions.names
+        self._concluded_before = self._conclusions.planned_for
         self._execution = Execution(
             plan_id,
             ready.network,
             ready.dispatchable,
             self._bindings,
             self._link,
+            self._protection,
+            self._goals,
             self._journal,
             self._statistics,
         )
@@ -357,7 +376,7 @@ class Executive:
 
     def _next_due(self) -> int:
         """The next second at which something happens even if nothing is observed."""
-        dues = list(self._protection.dues(self._now))
+        dues = [*self._protection.dues(self._now), *self._prober.dues(self._now)]
         if self._execution is not None:
             dues += self._execution.dues(self._now)
             dues.append(self._execution.horizon_end)

@@ -38,6 +38,10 @@ class GoalBook:
             if self._records[goal.id].status == "open" and (before is None or (goal.token.start[0] or 0) < before)
         )
 
+    def least(self, goal_id: str) -> int:
+        """How long a goal's token has to last at least (seconds); 0 for a goal that is not known."""
+        return next((goal.token.duration[0] or 0 for goal in self._goals if goal.id == goal_id), 0)
+
     def left(self, dropped: Iterable[DroppedGoal], now: int, until: int | None) -> None:
         """What a plan leaves out: settled, unless nothing was decided, or what comes after `until` may still reach it.
 

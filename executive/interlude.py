@@ -6,10 +6,11 @@ from collections.abc import Iterable
 
 from executive.bindings import Bindings
 from executive.commands import CommandLink
+from executive.conclusions import Conclusions
 from executive.conditions import Telemetry
 from executive.goals import GoalBook
 from executive.journal import Journal
-from executive.monitor import Conclusions, Violation
+from executive.monitor import Violation
 from executive.records import Settings
 from executive.replanner import Failed, Ready, Replanner, Request
 from executive.standby import StandbyKeeper
@@ -46,7 +47,7 @@ class Interlude:
         self._run_end = run_end
         self._bindings = bindings
         self._settings = settings
-        self._keeper = StandbyKeeper(bindings, link, journal)
+        self._keeper = StandbyKeeper(bindings, link, conclusions, journal)
         self._entered = False
         self._replanner = replanner
         self._goals = goals

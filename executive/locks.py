@@ -44,6 +44,15 @@ class LockTable:
         for key in [key for key in self._held if key[0] == holder]:
             to._held[token, key[1]] = self._held.pop(key)
 
+    def held(self) -> Iterable[Maintained]:
+        """What is to be maintained now, parameters filled in."""
+        return (lock for lock, _ in self._held.values())
+
+    def kept(self, token: str, name: str, telemetry: Telemetry) -> bool:
+        """Whether a token's lock of that name is satisfied at this instant, or is not held at all."""
+        held = self._held.get((token, name))
+        return held is None or held[1].is_satisfied(telemetry)
+
     def release(self, token: str) -> None:
         """Release all locks of a token."""
         for key in [key for key in self._held if key[0] == token]:

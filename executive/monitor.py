@@ -1,25 +1,32 @@
-"""Observation against expectation: violations as values, and fault protection over telemetry as data.
+"""Observation against expectation: violations and findings as values, and the monitors that find.
 
-Monitor, conclusion and response are kept apart: whatever else can explain telemetry may draw the same conclusions.
+A finding says for which conclusion telemetry speaks now. Who finds it does not matter to what is done about it:
+monitors here, a model-based diagnosis by the same protocol.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
-from executive.bindings import Conclusion, Monitor, Response
-from executive.commands import CommandLink
-from executive.conditions import Telemetry, Watch
-from executive.journal import Journal
+from executive.conditions import Condition, Telemetry, Watch
+from executive.protection import Monitor
+from executive.sends import Conclusion
 
 ViolationKind = Literal[
-    "early", "late", "unconfirmed", "refused", "lock", "incompatible", "fault", "dispatch", "standby", "stalled"
+    "early",
+    "late",
+    "short",
+    "unconfirmed",
+    "refused",
+    "lock",
+    "incompatible",
+    "fault",
+    "dispatch",
+    "standby",
+    "stalled",
 ]
-
-REPLAN = "replan"
-"""The response that is left when no other helped: a plan that knows of the conclusion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,128 +47,56 @@ class Violation:
 
 
 @dataclass(frozen=True, slots=True)
-class FaultRecord:
-    """One fault: who saw it, when (seconds), what was concluded (None so far), and the responses tried."""
+class Finding:
+    """What speaks for a conclusion now, by the name of who found it."""
 
-    monitor: str
-    detected: int
-    diagnosis: str | None = None
-    responses: tuple[str, ...] = ()
+    source: str
+    conclusion: Conclusion
 
 
-class Conclusions:
-    """What has been concluded about devices in this run, in order, each once; and the record of faults."""
+class Diagnoser(Protocol):
+    """Whoever explains telemetry. Asked at every observation; a finding lasts as long as it is given again."""
 
-    def __init__(self, journal: Journal) -> None:
-        self._journal = journal
-        self._drawn: dict[str, Conclusion] = {}
-        self._faults: list[FaultRecord] = []
+    def update(self, telemetry: Telemetry, now: int) -> Iterable[Finding]:
+        """What telemetry speaks for at this observation, in an order that depends on nothing else."""
+        ...
 
-    @property
-    def names(self) -> frozenset[str]:
-        """The names of all conclusions."""
-        return frozenset(self._drawn)
-
-    @property
-    def faults(self) -> tuple[FaultRecord, ...]:
-        """The faults detected so far, in order."""
-        return tuple(self._faults)
-
-    def detected(self, monitor: str, now: int, *, tell: bool) -> int:
-        """Record a symptom, `tell`ing of it before anything is concluded; returns its place in the record."""
-        if tell:
-            self._journal.write(now, "fault.detected", {"monitor": monitor, "diagnosis": None})
-        self._faults.append(FaultRecord(monitor, now))
-        return len(self._faults) - 1
-
-    def draw(self, conclusion: Conclusion, monitor: str, now: int, place: int | None = None) -> None:
-        """Take it as true from now on; the fault at `place` gets its diagnosis, or a new fault is recorded."""
-        if conclusion.name in self._drawn:
-            return
-        self._drawn[conclusion.name] = conclusion
-        self._journal.write(
-            now, "fault.detected", {"monitor": monitor, "diagnosis": conclusion.name, "text": conclusion.text}
-        )
-        if place is None:
-            place = self.detected(monitor, now, tell=False)
-        fault = self._faults[place]
-        self._faults[place] = FaultRecord(fault.monitor, fault.detected, conclusion.name, fault.responses)
-
-    def responded(self, place: int, response: str, now: int) -> None:
-        """Record that a response to the fault at `place` was started."""
-        fault = self._faults[place]
-        self._journal.write(now, "fault.response", {"monitor": fault.monitor, "response": response})
-        self._faults[place] = FaultRecord(fault.monitor, fault.detected, fault.diagnosis, (*fault.responses, response))
-
-    def replanned(self, conclusion: Conclusion, now: int) -> None:
-        """Record that the response to what was concluded is another plan, once."""
-        for place, fault in enumerate(self._faults):
-            if fault.diagnosis == conclusion.name and REPLAN not in fault.responses:
-                self.responded(place, REPLAN, now)
+    def dues(self, now: int) -> Iterable[int]:
+        """The seconds at which waiting alone changes that."""
+        ...
 
 
-class _Vigil:
-    """One monitor at work: watching, responding, or silent."""
+class Monitors:
+    """A domain's monitors, asked in the order in which they are given."""
 
-    def __init__(self, monitor: Monitor) -> None:
-        self.monitor = monitor
-        self.silent = False
-        self._watch = Watch(monitor.conditions, monitor.persistence, {})
-        self._place: int | None = None
-        self._left: list[Response] = []
-        self._respond_until: int | None = None
+    def __init__(self, monitors: Iterable[Monitor]) -> None:
+        self._watched = tuple((monitor, Watch((), monitor.persistence, {})) for monitor in monitors)
+        self._lasting: set[str] = set()
 
-    def update(self, telemetry: Telemetry, now: int, link: CommandLink, conclusions: Conclusions) -> Violation | None:
-        """One observation: what it means, with responses started as needed."""
-        present = self._watch.update(telemetry, now)
-        if self._place is None:
-            if not present:
-                return None
-            self._place = conclusions.detected(self.monitor.name, now, tell=bool(self.monitor.responses))
-            self._left = [r for r in self.monitor.responses for _ in range(r.attempts)]
-        elif not present and self._watch.due(now) is None:
-            self._place, self._respond_until = None, None  # the symptom is gone
-            return None
-        elif self._respond_until is not None and now < self._respond_until:
-            return None
-        if self._left:
-            response = self._left.pop(0)
-            conclusions.responded(self._place, response.name, now)
-            link.forget(link.send(response.commands, {}, f"monitor {self.monitor.name}", now))
-            self._respond_until = now + response.within
-            return None
-        self.silent = True
-        conclusions.draw(self.monitor.conclusion, self.monitor.name, now, self._place)
-        if not self.monitor.replan:
-            return None
-        conclusion = self.monitor.conclusion
-        return Violation("fault", f"{self.monitor.name}: {conclusion.text}", None, conclusion)
-
-    def due(self, now: int) -> int | None:
-        """The next second at which waiting alone changes something."""
-        if self.silent:
-            return None
-        return self._watch.due(now) if self._respond_until is None else self._respond_until
-
-
-class FaultProtection:
-    """All monitors of a domain, asked at every observation in the order in which they are given."""
-
-    def __init__(self, monitors: Iterable[Monitor], link: CommandLink, conclusions: Conclusions) -> None:
-        self._vigils = tuple(_Vigil(monitor) for monitor in monitors)
-        self._link = link
-        self._conclusions = conclusions
-
-    def update(self, telemetry: Telemetry, now: int) -> list[Violation]:
-        """What the monitors say of this observation; conclusions are drawn and responses sent on the way."""
+    def update(self, telemetry: Telemetry, now: int) -> Iterable[Finding]:
+        """The monitors whose symptom has lasted."""
         found = []
-        for vigil in self._vigils:
-            if not vigil.silent:
-                violation = vigil.update(telemetry, now, self._link, self._conclusions)
-                if violation is not None:
-                    found.append(violation)
+        for monitor, watch in self._watched:
+            if monitor.name in self._lasting and not _all(monitor.until, telemetry):
+                found.append(Finding(monitor.name, monitor.conclusion))
+                continue
+            self._lasting.discard(monitor.name)
+            if watch.hold(is_present(monitor, telemetry), now):
+                found.append(Finding(monitor.name, monitor.conclusion))
+                if monitor.until:
+                    self._lasting.add(monitor.name)
         return found
 
     def dues(self, now: int) -> Iterable[int]:
-        """The seconds at which waiting alone changes something."""
-        return (due for vigil in self._vigils if (due := vigil.due(now)) is not None)
+        """When a symptom that is there now will have lasted."""
+        return (due for _, watch in self._watched if (due := watch.due(now)) is not None)
+
+
+def is_present(monitor: Monitor, telemetry: Telemetry) -> bool:
+    """Whether the evidence is there at this instant: all conditions, and enough of the votes."""
+    votes = sum(vote.holds(telemetry) for vote in monitor.votes)
+    return votes >= monitor.needed and _all(monitor.conditions, telemetry)
+
+
+def _all(conditions: Iterable[Condition], telemetry: Telemetry) -> bool:
+    return all(condition.holds(telemetry) for condition in conditions)

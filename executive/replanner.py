@@ -10,6 +10,7 @@ import json
 from dataclasses import dataclass, replace
 
 from executive.bindings import Bindings
+from executive.conclusions import Conclusions
 from executive.errors import JournalError, RecordedError
 from executive.inputs import Answer, answer_from_json, answer_to_json
 from executive.journal import Journal
@@ -73,8 +74,11 @@ class Failed:
 class Replanner:
     """Asks the planner and writes down its answer. What an overrun taught is kept: a longer budget (seconds)."""
 
-    def __init__(self, planner: Planner, bindings: Bindings, settings: Settings, journal: Journal) -> None:
+    def __init__(
+        self, planner: Planner, bindings: Bindings, settings: Settings, conclusions: Conclusions, journal: Journal
+    ) -> None:
         self._planner = planner
+        self._conclusions = conclusions
         self._bindings = bindings
         self._settings = settings
         self._journal = journal
@@ -84,7 +88,8 @@ class Replanner:
         """Plan from a state for goals. The plan comes `budget` after the request at the latest, or not at all."""
         asked, withheld = self._relaxed(request.goals, request.failures)
         horizon = (request.handover, request.end)
-        facts = tuple(fact for fact in self._settings.facts if _concerns(fact, horizon))
+        told = (*self._settings.facts, *self._conclusions.facts)
+        facts = tuple(fact for fact in told if _concerns(fact, horizon))
         answer = self._ask(Problem(horizon, request.state, facts, (*self._planning_goal(request.end), *asked)), request)
         if isinstance(answer, Failed):
             return answer

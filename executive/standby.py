@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from executive.bindings import Bindings
 from executive.commands import CommandLink, Transmission
+from executive.conclusions import Conclusions
 from executive.conditions import Telemetry, Watch
 from executive.journal import Journal
 from executive.monitor import Violation
 
 
 class StandbyKeeper:
-    """Brings the hardware to standby and says whether it is there; a keeper serves one stay."""
+    """Brings the hardware to standby and says whether it is there; a keeper serves one stay.
 
-    def __init__(self, bindings: Bindings, link: CommandLink, journal: Journal) -> None:
+    What is concluded of a device decides which of standby's conditions it has to meet.
+    """
+
+    def __init__(self, bindings: Bindings, link: CommandLink, conclusions: Conclusions, journal: Journal) -> None:
         self._standby = bindings.standby
+        self._conclusions = conclusions
         self._link = link
         self._journal = journal
         self._transmission: Transmission | None = None
         self._holds = Watch((), 0, {})
+        self._waived: frozenset[str] = frozenset()
 
     def enter(self, reason: str, telemetry: Telemetry, now: int) -> None:
         """Send the commands."""
@@ -25,13 +33,22 @@ class StandbyKeeper:
         self._send(telemetry, now)
 
     def _send(self, telemetry: Telemetry, now: int) -> None:
-        self._transmission = Transmission(self._link, self._standby.commands, self._standby.confirmation, {}, "standby")
-        self._holds = Watch(self._standby.confirmation.conditions, 0, telemetry)
+        self._waived = self._conclusions.waived
+        wanted = self._standby.confirmation
+        kept = tuple(c for c in wanted.conditions if self._waived.isdisjoint(c.channels()))
+        self._transmission = Transmission(
+            self._link, self._standby.commands, replace(wanted, conditions=kept), {}, "standby"
+        )
+        self._holds = Watch(kept, 0, telemetry)
         self._transmission.send(telemetry, now)
 
     def observe(self, telemetry: Telemetry, now: int) -> Violation | None:
         """One observation. A failure to reach standby is a violation, and the commands go out once more."""
         if self._transmission is None:
+            return None
+        if self._waived != self._conclusions.waived:
+            self._transmission.close()
+            self._send(telemetry, now)
             return None
         progress = self._transmission.follow(telemetry, now)
         if progress == "pending":

@@ -20,7 +20,7 @@ from scenarios.run_story import RunStory
 from scenarios.times import clock
 
 _TOLD = ("run.started", "plan.adopted", "plan.failed", "goal", "token.failed", "standby.entered", "run.finished")
-_LEAST = ("fault.injected", "fault.detected", "fault.response", "fault.cleared")
+_LEAST = ("fault.injected", "fault.detected", "fault.response", "fault.recovered", "fault.cleared")
 
 
 def write_report(folder: Path, to: Path | None = None) -> Path:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from executive.conclusions import FaultRecord
 from executive.executive import Executive
-from executive.monitor import FaultRecord
 from executive.records import AdoptedPlan
 from scenarios.config import FaultSection, Scenario
 from scenarios.flight_rules import FLIGHT_RULES, RuleViolation

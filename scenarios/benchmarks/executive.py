@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from executive.bindings import Activity, Bindings, Confirmation, Finish, Send, Standby
+from executive.bindings import Activity, Bindings, Finish, Standby
 from executive.conditions import Condition
 from executive.dispatcher import prepare
 from executive.executive import Executive
@@ -22,6 +22,7 @@ from executive.journal import Journal
 from executive.network import PlanNetwork
 from executive.port import Command, Observation, TelemetryValue
 from executive.records import DispatchStatistics, Settings
+from executive.sends import Confirmation, Send
 from planner.plan import FlexiblePlan
 from planner.problem import PlanningResult
 from planner.temporal.controllability import check

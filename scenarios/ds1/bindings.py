@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from executive.bindings import Activity, Bindings, Conclusion, Confirmation, Finish, Maintained, Send, Standby
+from executive.bindings import Activity, Bindings, Finish, Maintained, Standby
 from executive.conditions import Condition, Telemetry
+from executive.sends import Conclusion, Confirmation, Send
 from planner.problem import TokenPattern
 from scenarios.ds1.capability import EXPOSURE_S
 

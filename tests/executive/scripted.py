@@ -10,24 +10,14 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from executive.bindings import (
-    Activity,
-    Bindings,
-    Conclusion,
-    Confirmation,
-    Finish,
-    Maintained,
-    Monitor,
-    Response,
-    Send,
-    Standby,
-    plan_next,
-)
+from executive.bindings import Activity, Bindings, Finish, Maintained, Standby, plan_next
 from executive.conditions import Condition, Telemetry
 from executive.executive import Executive
 from executive.journal import Journal
 from executive.port import Acknowledgement, Command, Observation, Plant, TelemetryValue
+from executive.protection import Monitor, Recovery, Response, Step
 from executive.records import Settings
+from executive.sends import Conclusion, Confirmation, Send
 from planner.plan import Bounds, FlexiblePlan
 from planner.problem import DroppedGoal, Goal, Planner, PlanningResult, Problem, TokenPattern
 from scenarios.benchmarks.draft import Draft
@@ -109,6 +99,10 @@ AT_START: dict[str, TelemetryValue] = {
 }
 DEAD = Conclusion("camera dead", "the camera does not take images any more")
 LOST = Conclusion("wheel lost", "the attitude control gave up")
+HUNG = Conclusion("camera hung", "the camera hangs")
+BY_RESET = Response(
+    HUNG.name, (Recovery("reset", (Step((Send("camera.reset"),)),), within=3, attempts=2),), otherwise=DEAD
+)
 
 
 def turn(seconds: int, overhead: int = 1) -> Reaction:
@@ -149,7 +143,12 @@ def state(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPatte
 HOLDS = Condition("acs.settled", "==", True)
 
 
-def bindings(*monitors: Monitor, image_retries: int = 1, hold_early: bool = False) -> Bindings:
+def bindings(
+    *monitors: Monitor,
+    image_retries: int = 1,
+    hold_early: bool = False,
+    responses: tuple[Response, ...] = (BY_RESET,),
+) -> Bindings:
     return Bindings(
         activities=(
             Activity(
@@ -183,11 +182,12 @@ def bindings(*monitors: Monitor, image_retries: int = 1, hold_early: bool = Fals
         state=state,
         state_channels=("acs.target",),
         monitors=monitors,
+        responses=responses,
     )
 
 
 STUCK = Monitor("camera-stuck", (Condition("camera.state", "==", "stuck"),), 2, DEAD)
-RESET = replace(STUCK, responses=(Response("reset", (Send("camera.reset"),), within=3, attempts=2),))
+RESET = replace(STUCK, conclusion=HUNG)
 TUMBLES = Monitor("tumbling", (Condition("acs.mode", "==", "tumble"),), 0, LOST)
 
 

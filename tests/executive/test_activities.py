@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import pytest
 
-from executive.bindings import Activity, Bindings, Conclusion, Confirmation, Finish, Maintained, Monitor, Send, Standby
+from executive.bindings import Activity, Bindings, Finish, Maintained, Standby
 from executive.conditions import Condition
 from executive.goals import GoalBook
 from executive.journal import Journal
 from executive.port import TelemetryValue
+from executive.protection import Monitor, Response
 from executive.records import Settings
+from executive.sends import Conclusion, Confirmation, Send
 from planner.plan import Bounds
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
 from tests.executive.scripted import (
@@ -59,13 +61,14 @@ def heat(
     activity: Activity = HEAT,
     draft: Draft | None = None,
     monitors: tuple[Monitor, ...] = (),
+    responses: tuple[Response, ...] = (),
     more: dict[str, TelemetryValue] | None = None,
 ) -> Run:
     """One plan, and none after it."""
     plans = [PlanningResult((draft or heating()).plan())]
     return fly(
         ScriptedPlant({"safe": True, "heater": "off", **(more or {})}, {"on": on, "off": off}),
-        Bindings((activity,), SAFE, lambda telemetry, conclusions: (), monitors=monitors),
+        Bindings((activity,), SAFE, lambda telemetry, conclusions: (), monitors=monitors, responses=responses),
         lambda problem: plans.pop() if plans else PlanningResult(None, reason="no more"),
         (Goal("warm", TokenPattern("Heater.heat")),),
         (0, 60),
@@ -175,10 +178,9 @@ def test_what_holds_already_is_not_started_again_but_kept_and_ended() -> None:
 
 def test_a_monitor_that_does_not_replan_only_concludes() -> None:
     """A sensor found wrong is ignored from then on; the plan goes on."""
-    wrong = Monitor(
-        "bus-sensor", (Condition("bus", "==", "off"), HEATER_ON), 1, Conclusion("bus sensor wrong", "x"), replan=False
-    )
-    run = heat([ON], [OFF], monitors=(wrong,), more={"bus": "off"})
+    wrong = Monitor("bus-sensor", (Condition("bus", "==", "off"), HEATER_ON), 1, Conclusion("bus sensor wrong", "x"))
+    ignored = Response("bus sensor wrong", vetoes={"bus": "on"}, replan="never")
+    run = heat([ON], [OFF], monitors=(wrong,), responses=(ignored,), more={"bus": "off"})
     assert run.executive.conclusions == {"bus sensor wrong"}
     assert [(f.detected, f.diagnosis) for f in run.executive.faults] == [(11, "bus sensor wrong")]
     assert len(run.executive.plans) == 1

@@ -11,21 +11,12 @@ from pathlib import Path
 import pytest
 
 from executive.activities import decided
-from executive.bindings import (
-    Activity,
-    Bindings,
-    Conclusion,
-    Confirmation,
-    Finish,
-    Maintained,
-    Monitor,
-    Response,
-    Send,
-    Standby,
-)
+from executive.bindings import Activity, Bindings, Finish, Maintained, Standby
 from executive.conditions import Condition
 from executive.errors import BindingsError, JournalError
 from executive.journal import Journal
+from executive.protection import Monitor, Recovery, Response, Step
+from executive.sends import Conclusion, Confirmation, Send
 from planner.plan import PlanToken
 from tests.executive.scripted import RESET, bindings
 
@@ -93,8 +84,8 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         r"monitor 'm'.conditions: unknown parameter '\$x', expected no parameter",
     ),
     "a response without time": (
-        lambda: Monitor("m", (READY,), 0, DONE, (Response("r", (), 0),)),
-        "monitor 'm'.responses 'r'.within: .* at least 1, found 0",
+        lambda: Response("r", (Recovery("wait", (Step(()),), 0),)),
+        "response to 'r'.recoveries 'wait'.within: .* at least 1, found 0",
     ),
     "standby without proof": (
         lambda: Standby((), Confirmation()),
@@ -102,7 +93,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "two of one predicate": (
         lambda: Bindings((Activity("A.x"), Activity("A.x")), bindings().standby, bindings().state),
-        "bindings.activities: expected one activity for 'A.x', found two",
+        "bindings.activities: expected one activity for 'A.x', found 2",
     ),
     "two monitors of one name": (
         lambda: bindings(RESET, RESET),

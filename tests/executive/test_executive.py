@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from executive.bindings import Activity, Bindings, Confirmation, Finish, Send, Standby
+from executive.bindings import Activity, Bindings, Finish, Standby
 from executive.conditions import Condition, Telemetry
 from executive.errors import ExecutiveError
 from executive.executive import Executive
 from executive.network import PlanNetwork
 from executive.port import Command, Observation, TelemetryValue
 from executive.records import Settings
+from executive.sends import Confirmation, Send
 from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, TokenPattern
 from planner.temporal.controllability import check

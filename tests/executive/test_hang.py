@@ -9,15 +9,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from executive.bindings import Activity, Bindings, Confirmation, Finish, Send, Standby
+from executive.bindings import Activity, Bindings, Finish, Standby
 from executive.commands import CommandLink
+from executive.conclusions import Conclusions
 from executive.conditions import Condition
 from executive.execution import Execution
 from executive.executive import Executive
+from executive.goals import GoalBook
 from executive.journal import Journal
 from executive.network import PlanNetwork
 from executive.port import Acknowledgement, Command, Observation, TelemetryValue
 from executive.records import DispatchStatistics, Settings
+from executive.recovery import FaultProtection
+from executive.sends import Confirmation, Send
 from executive.watchdog import Watchdog
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
 from planner.temporal.controllability import DispatchableNetwork, check
@@ -201,7 +205,9 @@ def test_without_the_fault_nothing_ever_hangs() -> None:
 def _execution(plan_id: str, network: PlanNetwork, dispatchable: DispatchableNetwork) -> Execution:
     journal = Journal(io.StringIO())
     link = CommandLink(ScriptedPlant(AT_START, reactions()), journal)
-    return Execution(plan_id, network, dispatchable, bindings(), link, journal, DispatchStatistics())
+    protection = FaultProtection((), bindings(), link, Conclusions(bindings(), journal), tuple)
+    goals = GoalBook((), journal)
+    return Execution(plan_id, network, dispatchable, bindings(), link, protection, goals, journal, DispatchStatistics())
 
 
 def test_a_plan_in_which_nothing_can_happen_is_given_up() -> None:

@@ -10,18 +10,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from executive.bindings import Activity, Bindings, Confirmation, Send
+from executive.bindings import Activity, Bindings
 from executive.conditions import Telemetry
 from executive.errors import ExecutiveError
 from executive.executive import Executive
 from executive.history import History
 from executive.port import Acknowledgement, Observation
+from executive.protection import Response
 from executive.records import Settings
 from executive.replay import replay_history
+from executive.sends import Confirmation, Send
 from planner.plan import Bounds, PlanConstraint, PlanTimeline, PlanToken
 from planner.problem import DroppedGoal, Goal, Planner, PlanningResult, Problem, TokenPattern
 from tests.executive.scripted import (
     AT_START,
+    DEAD,
     STUCK,
     TUMBLES,
     Reaction,
@@ -245,8 +248,8 @@ def test_a_violation_ends_the_search_for_the_next_plan() -> None:
 
 def test_what_was_concluded_since_spoils_the_next_plan() -> None:
     """A conclusion that does not cost the plan in execution still was not known to the planner."""
-    quiet = replace(STUCK, replan=False)
-    with_quiet = replace(bindings(quiet), state=with_planner)
+    quiet = (Response(DEAD.name, replan="next"),)
+    with_quiet = replace(bindings(STUCK, responses=quiet), state=with_planner)
     plant = ScriptedPlant(AT_START, reactions(), {30: {"camera.state": "stuck"}})
     run = fly(plant, with_quiet, wanted=BOTH, settings=STAGED)
     reasons = [str(e["reason"]) for e in run.told("plan.failed")]

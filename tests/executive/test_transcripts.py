@@ -262,16 +262,17 @@ def test_a_response_that_helps_saves_the_plan() -> None:
     assert (
         transcript(run, 23, 36)
         == """\
- 26 fault.detected diagnosis=None monitor=camera-stuck
+ 26 fault.detected diagnosis=camera hung monitor=camera-stuck
  26 fault.response monitor=camera-stuck response=reset
  26 command.sent arguments={} id=6 name=camera.reset token=monitor camera-stuck
- 29 fault.response monitor=camera-stuck response=reset
- 29 command.sent arguments={} id=7 name=camera.reset token=monitor camera-stuck
+ 30 fault.response monitor=camera-stuck response=reset
+ 30 command.sent arguments={} id=7 name=camera.reset token=monitor camera-stuck
  30 token.finished t8 Attitude.turning(ceres) on_time
  30 token.finished t6 Camera.idle() on_time
  30 token.started t7 Camera.imaging(ceres)
  30 command.sent arguments={target: ceres} id=8 name=camera.image token=t7
  30 token.started t9 Attitude.holding(ceres)
+ 31 fault.recovered cured=True diagnosis=camera hung monitor=camera-stuck
  31 token.confirmed t7 Camera.imaging(ceres)
  34 command.sent arguments={} id=9 name=camera.close token=t7
  34 token.started t10 Camera.idle()
@@ -286,26 +287,26 @@ def test_responses_that_do_not_help_lead_to_the_conclusion() -> None:
     slow = reactions(reset=[Reaction()], turn=[turn(10), turn(20)])
     run = fly(ScriptedPlant(AT_START, slow, events), bindings(RESET), wanted=TWO)
     assert (
-        transcript(run, 22, 37)
+        transcript(run, 23, 39)
         == """\
- 24 fault.detected diagnosis=None monitor=camera-stuck
+ 24 fault.detected diagnosis=camera hung monitor=camera-stuck
  24 fault.response monitor=camera-stuck response=reset
  24 command.sent arguments={} id=6 name=camera.reset token=monitor camera-stuck
- 27 fault.response monitor=camera-stuck response=reset
- 27 command.sent arguments={} id=7 name=camera.reset token=monitor camera-stuck
- 30 fault.detected diagnosis=camera dead monitor=camera-stuck
- 30 violation detail=camera-stuck: the camera does not take images any more kind=fault
- 30 fault.response monitor=camera-stuck response=replan
- 30 token.aborted t8 Attitude.turning(ceres)
- 30 token.aborted t6 Camera.idle()
- 30 standby.entered reason=the camera does not take images any more (fault: camera-stuck)
- 30 command.sent arguments={} id=8 name=safe.standby token=standby
- 32 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (fault: camera-stuck)
- 37 plan.adopted handover=37 plan=plan-02 reason=the camera does not take images any more (fault: camera-stuck) tokens=2
- 37 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
- 37 standby.left
- 37 token.started t1 Attitude.holding(earth)
- 37 token.started t2 Camera.dead()
+ 28 fault.response monitor=camera-stuck response=reset
+ 28 command.sent arguments={} id=7 name=camera.reset token=monitor camera-stuck
+ 32 fault.detected diagnosis=camera dead monitor=camera-stuck
+ 32 violation detail=camera-stuck: the camera does not take images any more kind=fault
+ 32 fault.response monitor=camera-stuck response=replan
+ 32 token.aborted t8 Attitude.turning(ceres)
+ 32 token.aborted t6 Camera.idle()
+ 32 standby.entered reason=the camera does not take images any more (fault: camera-stuck)
+ 32 command.sent arguments={} id=8 name=safe.standby token=standby
+ 34 plan.requested attempt=1 budget=5 reason=the camera does not take images any more (fault: camera-stuck)
+ 39 plan.adopted handover=39 plan=plan-02 reason=the camera does not take images any more (fault: camera-stuck) tokens=2
+ 39 goal id=image-ceres reason=unreachable: the camera is dead status=dropped
+ 39 standby.left
+ 39 token.started t1 Attitude.holding(earth)
+ 39 token.started t2 Camera.dead()
 """
     )
 
@@ -547,7 +548,7 @@ def test_a_fault_during_recovery() -> None:
     assert (
         transcript(run, 23, 46)
         == """\
- 26 fault.detected diagnosis=None monitor=camera-stuck
+ 26 fault.detected diagnosis=camera hung monitor=camera-stuck
  26 fault.response monitor=camera-stuck response=reset
  26 command.sent arguments={} id=6 name=camera.reset token=monitor camera-stuck
  28 fault.detected diagnosis=wheel lost monitor=tumbling
@@ -557,9 +558,10 @@ def test_a_fault_during_recovery() -> None:
  28 token.aborted t6 Camera.idle()
  28 standby.entered reason=the attitude control gave up (fault: tumbling)
  28 command.sent arguments={} id=7 name=safe.standby token=standby
- 29 fault.response monitor=camera-stuck response=reset
- 29 command.sent arguments={} id=8 name=camera.reset token=monitor camera-stuck
+ 30 fault.response monitor=camera-stuck response=reset
+ 30 command.sent arguments={} id=8 name=camera.reset token=monitor camera-stuck
  30 plan.requested attempt=1 budget=5 reason=the attitude control gave up (fault: tumbling)
+ 31 fault.recovered cured=True diagnosis=camera hung monitor=camera-stuck
  35 plan.adopted handover=35 plan=plan-02 reason=the attitude control gave up (fault: tumbling) tokens=6
  35 standby.left
  35 token.started t1 Attitude.holding(earth)
