@@ -23,6 +23,8 @@ from planner.problem import TokenPattern
 
 NEXT_PLAN = f"{OWN}next_plan"
 """Where asking for the next plan stands: "none", "asked", "ready" or "failed"."""
+MODE = f"{OWN}mode"
+"""Whether a plan is being executed: "plan" or "standby"."""
 
 StateFunction = Callable[[Telemetry, frozenset[str]], tuple[TokenPattern, ...]]
 
@@ -134,8 +136,10 @@ class Activity:
 
     def conclusions(self) -> Iterable[Conclusion]:
         """What may be concluded when it fails."""
-        sources = (self.started, self.ended, self.finish, *self.maintained)
-        return (source.conclusion for source in sources if source is not None and source.conclusion is not None)
+        yield from (*self.started.conclusions(), *self.ended.conclusions())
+        for source in (self.finish, *self.maintained):
+            if source is not None and source.conclusion is not None:
+                yield source.conclusion
 
     def channels(self) -> set[str]:
         """The channels that its conditions read."""
@@ -207,9 +211,9 @@ class Bindings:
                 self._check_responses(f"activity {activity.predicate!r}", conclusion, known)
         for monitor in self.monitors:
             self._check_responses(f"monitor {monitor.name!r}", monitor.conclusion, set())
-        known_probes = {probe_channel(probe.name) for probe in self.probes}
+        own = {NEXT_PLAN, MODE, *(probe_channel(probe.name) for probe in self.probes)}
         for name in self._read():
-            if name.startswith(OWN) and name != NEXT_PLAN and name not in known_probes:
+            if name.startswith(OWN) and name not in own:
                 raise BindingsError(f"bindings: condition on {name!r}: the executive has no such channel")
 
     def _check_responses(self, source: str, conclusion: Conclusion, known: set[str]) -> None:

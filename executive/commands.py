@@ -45,6 +45,10 @@ class CommandLink:
             self._plant.send(Command(self._sent, send.name, arguments))
         return tuple(numbers)
 
+    def is_forbidden(self, name: str) -> bool:
+        """Whether a command of that name would not be sent."""
+        return self._forbids is not None and self._forbids(name) is not None
+
     def acknowledged(self, answers: Iterable[Acknowledgement], now: int) -> None:
         """Take in what receiving terminals said. Journalled whether or not anybody still waits for it."""
         for answer in answers:
@@ -144,6 +148,11 @@ class Transmission:
             return f"{names} refused after {tries}: {refusals[0].reason or 'no reason given'}"
         missing = self._watch.first_failing(telemetry) if self.confirmation.conditions else "no acknowledgement"
         return f"{names} not confirmed within {self.confirmation.within} s, {tries}: {missing}"
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether any command of the latest try has been acknowledged."""
+        return any(self._link.answer(number) is not None for number in self._numbers)
 
     def serve(self, owner: str) -> None:
         """What is sent from now on is sent for that token."""

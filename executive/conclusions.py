@@ -36,6 +36,7 @@ class Conclusions:
         self._journal = journal
         self._standing: dict[str, Conclusion] = {}
         self._under_way: set[str] = set()
+        self._worked_around: set[str] = set()
         self._faults: list[FaultRecord] = []
         self._vetoes: dict[str, TelemetryValue | None] = {}
 
@@ -46,11 +47,12 @@ class Conclusions:
 
     @property
     def planned_for(self) -> frozenset[str]:
-        """The names of those that a plan depends on: none that is being recovered from, none that changes nothing."""
+        """The names of those that a plan depends on: not what is being recovered from or is worked around."""
         return frozenset(
             name
             for name, conclusion in self._standing.items()
             if name not in self._under_way
+            and name not in self._worked_around
             and ((response := self._bindings.response(conclusion)) is None or response.replan != "never")
         )
 
@@ -117,9 +119,11 @@ class Conclusions:
                 self.responded(place, words, now)
         return place
 
-    def settle(self, conclusion: Conclusion, *, stands: bool) -> None:
-        """Nothing is tried about it any more: it stands for good, or is not true any more."""
+    def settle(self, conclusion: Conclusion, *, stands: bool, worked_around: bool = False) -> None:
+        """Nothing is tried about it any more: it stands for good, if only worked around, or is not true any more."""
         self._under_way.discard(conclusion.name)
+        if worked_around:
+            self._worked_around.add(conclusion.name)
         if not stands:
             self._standing.pop(conclusion.name, None)
         self._revise()

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NoReturn
 
-from executive.bindings import NEXT_PLAN, Bindings, Maintained
+from executive.bindings import MODE, NEXT_PLAN, Bindings, Maintained
 from executive.commands import CommandLink
 from executive.conclusions import Conclusions, FaultRecord
 from executive.conditions import Telemetry
@@ -198,6 +198,7 @@ class Executive:
     def _identify(self) -> list[Violation]:
         """What this observation means to fault protection, to the plan in execution, and to standby."""
         self._seen[NEXT_PLAN] = "none" if self._succession is None else self._succession.status(self._now)
+        self._seen[MODE] = "standby" if self._execution is None else "plan"
         self._seen |= self._prober.update(self._conclusions.believed(self._seen), self._now)
         violations = self._protection.update(self._conclusions.believed(self._seen), self._now)
         self._telemetry = self._conclusions.believed(self._seen)

@@ -39,7 +39,8 @@ class _Question:
 
     def update(self, telemetry: Telemetry, now: int) -> State:
         """Take in what was said, and ask if it is time."""
-        if not all(condition.holds(telemetry) for condition in self.probe.while_):
+        wanted = all(condition.holds(telemetry) for condition in self.probe.while_)
+        if not wanted or self._link.is_forbidden(self.probe.command.name):
             self._stop()
             return self._state
         if self._numbers:

@@ -100,8 +100,9 @@ class Step:
 class Recovery:
     """A way back: `steps` one after another, after the last of which the symptom must be gone `within` seconds.
 
-    Tried up to `attempts` times, as long as all conditions of `when` hold at its start. `disturbs`: channels that may
-    change on the way; it is not tried while a running token has a lock on one of them.
+    Tried up to `attempts` times, as long as all conditions of `when` hold at its start and none of the conclusions
+    `unless` stands. `disturbs`: channels that may change on the way; it is not tried while a running token has a lock
+    on one of them.
     """
 
     name: str
@@ -109,6 +110,7 @@ class Recovery:
     within: int
     attempts: int = 1
     when: tuple[Condition, ...] = ()
+    unless: tuple[str, ...] = ()
     disturbs: tuple[str, ...] = ()
 
 
@@ -117,7 +119,8 @@ class Response:
     """What is done about the conclusion of that name.
 
     `recoveries` are tried in order. Once one has worked the conclusion is withdrawn, or, with `lasts`, stands (the
-    fault is still there, but is worked around). While they are tried, the locks named in `restores` may be broken.
+    fault is still there, but is worked around). While they are tried, the locks named in `restores` may be broken, and
+    the conclusions named in `masks` are not drawn: what speaks for them may come from this fault or from its recovery.
     After `limit` uses in a run they are not tried any more. When there is none left, `otherwise` is concluded if it is
     given, with its own response.
 
@@ -135,6 +138,7 @@ class Response:
     otherwise: Conclusion | None = None
     lasts: bool = False
     restores: tuple[str, ...] = ()
+    masks: tuple[str, ...] = ()
     vetoes: Mapping[str, TelemetryValue | None] = field(default_factory=dict)
     forbids: tuple[str, ...] = ()
     waives: tuple[str, ...] = ()

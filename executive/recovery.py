@@ -73,6 +73,11 @@ class Case:
         return self._response.restores if self.is_open else ()
 
     @property
+    def masks(self) -> tuple[str, ...]:
+        """The conclusions that are not drawn meanwhile."""
+        return self._response.masks if self.is_open else ()
+
+    @property
     def forbids_plan(self) -> bool:
         """The plan depends on the device, and nothing can be tried any more, or nothing as long as the plan goes on."""
         return self.stage in ("waiting", "given up") and self._response.replan == "now"
@@ -101,7 +106,7 @@ class Case:
     def persists(self, telemetry: Telemetry, now: int) -> bool:
         """The symptom is there and nothing is being done about it: the next recovery. False when none is left."""
         while True:
-            self._left = [r for r in self._left if all(condition.holds(telemetry) for condition in r.when)]
+            self._left = [recovery for recovery in self._left if self._may_be_tried(recovery, telemetry)]
             for recovery in self._left:
                 if not self._disturbs(recovery):
                     self._left.remove(recovery)
@@ -121,7 +126,8 @@ class Case:
         """The symptom is gone."""
         self.close()
         self.stage = "over"
-        self._conclusions.settle(self.conclusion, stands=self._response.lasts)
+        lasts = self._response.lasts
+        self._conclusions.settle(self.conclusion, stands=lasts, worked_around=lasts)
         self._conclusions.recovered(self._place, now, cured=not self._response.lasts)
 
     def abandon(self) -> None:
@@ -143,6 +149,11 @@ class Case:
         if self.stage == "judging":
             return self._judged_at
         return now + 1 if self.stage == "waiting" else None
+
+    def _may_be_tried(self, recovery: Recovery, telemetry: Telemetry) -> bool:
+        if not self._conclusions.names.isdisjoint(recovery.unless):
+            return False
+        return all(condition.holds(telemetry) for condition in recovery.when)
 
     def _disturbs(self, recovery: Recovery) -> bool:
         channels = set(recovery.disturbs)
@@ -213,7 +224,10 @@ class FaultProtection:
             case = self._found.pop(name)
             if case.is_open:
                 case.recovered(now)
-        violations = [v for finding in findings if (v := self._take(finding, telemetry, now)) is not None]
+        violations = []
+        for finding in findings:
+            if not any(finding.conclusion.name in case.masks for case in self._open):
+                violations += self._take(finding, telemetry, now)
         self._open = [case for case in self._open if case.is_open]
         return violations
 
@@ -247,7 +261,7 @@ class FaultProtection:
             if (due := case.due(now)) is not None:
                 yield due
 
-    def _take(self, finding: Finding, telemetry: Telemetry, now: int) -> Violation | None:
+    def _take(self, finding: Finding, telemetry: Telemetry, now: int) -> list[Violation]:
         """What a finding means; a violation where the plan in execution may not go on."""
         conclusion = finding.conclusion
         response = self._bindings.response(conclusion)
@@ -256,18 +270,18 @@ class FaultProtection:
             if case.has_failed_by(now):
                 case.persists(telemetry, now)
         elif self._is_known(conclusion, response):
-            return None
+            return []
         elif response is None or not response.recoveries:
             self._conclusions.draw(conclusion, finding.source, now)
-            return _fault(finding.source, conclusion) if response is None or response.replan == "now" else None
+            return [_fault(finding.source, conclusion)] if response is None or response.replan == "now" else []
         else:
             owner = f"monitor {finding.source}"
             case = self._begin(conclusion, response, finding.source, _NO_PARAMETERS, owner, telemetry, now)
             self._found[conclusion.name] = case
         if not case.forbids_plan or case.stage == case.told:
-            return None
+            return []
         case.told = case.stage
-        return _fault(finding.source, case.conclusion)
+        return [_fault(finding.source, case.conclusion)]
 
     def _is_known(self, conclusion: Conclusion, response: Response | None) -> bool:
         """Whether it has been concluded for good, or what follows when it cannot be recovered from."""

@@ -32,8 +32,9 @@ class Confirmation:
 
     All `conditions` hold for `persistence` seconds in telemetry observed after the commands went out; with no
     conditions, every command is acknowledged and accepted. Without proof `within` seconds, or at once on a refusal, the
-    commands are sent again, up to `retries` times; then they are unconfirmed and `conclusion`, if any, is drawn. What
-    the response to that conclusion can recover is sent again; otherwise the token fails.
+    commands are sent again, up to `retries` times; then they are unconfirmed and `conclusion`, if any, is drawn, or
+    `unanswered`, if it is given and not one of them was acknowledged. After a recovery from that they are sent again;
+    when none is left the token fails.
     """
 
     conditions: tuple[Condition, ...] = ()
@@ -41,6 +42,11 @@ class Confirmation:
     persistence: int = 0
     retries: int = 0
     conclusion: Conclusion | None = None
+    unanswered: Conclusion | None = None
+
+    def conclusions(self) -> tuple[Conclusion, ...]:
+        """What may be concluded."""
+        return tuple(c for c in (self.conclusion, self.unanswered) if c is not None)
 
 
 ACKNOWLEDGED = Confirmation()

@@ -28,6 +28,7 @@ class Undertaking:
         self._sent_again = False
         self._failed: Progress = "pending"
         self._words = ""
+        self._concluded: Conclusion | None = None
 
     def send(self, telemetry: Telemetry, now: int) -> None:
         """Send the commands for the first time."""
@@ -56,7 +57,7 @@ class Undertaking:
     @property
     def conclusion(self) -> Conclusion | None:
         """What is concluded from its failure."""
-        return self._transmission.confirmation.conclusion if self._case is None else self._case.conclusion
+        return self._concluded if self._case is None else self._case.conclusion
 
     def due(self, now: int) -> int | None:
         """The next second at which waiting alone changes the answer; None while a recovery is under way."""
@@ -95,8 +96,11 @@ class Undertaking:
         self._words = self._transmission.complaint(progress, telemetry)
         if self._case is None:
             kind = "refused" if progress == "refused" else "unconfirmed"
-            conclusion = self._transmission.confirmation.conclusion
-            self._case = self._protection.suspect(conclusion, kind, self._parameters, self._owner, telemetry, now)
+            confirmation = self._transmission.confirmation
+            self._concluded = confirmation.conclusion
+            if confirmation.unanswered is not None and not self._transmission.is_answered:
+                self._concluded = confirmation.unanswered
+            self._case = self._protection.suspect(self._concluded, kind, self._parameters, self._owner, telemetry, now)
         else:
             self._case.persists(telemetry, now)
         return progress if self._case is None or not self._case.is_open else "pending"

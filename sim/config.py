@@ -61,6 +61,7 @@ class SpacecraftConfig:
     orbit: Elements | None = None
     sky_period_s: int = 60
     initial_target: str = "earth"
+    initial_actuators: str = "wheels"  # or thrusters
     # attitude control (assumptions: slew rate, acceleration, settling)
     slew_rate_limit_rad_s: float = math.radians(0.15)
     slew_acceleration_limit_rad_s2: float = 1.0e-4
@@ -210,6 +211,10 @@ class SpacecraftConfig:
         if self.initial_target not in names:
             raise ConfigurationError(
                 f"initial_target: expected one of {', '.join(names)}, found {self.initial_target!r}"
+            )
+        if self.initial_actuators not in ("wheels", "thrusters"):
+            raise ConfigurationError(
+                f"initial_actuators: expected wheels or thrusters, found {self.initial_actuators!r}"
             )
         if sum(target.kind == "earth" for target in self.targets) != 1:
             raise ConfigurationError(f"targets: expected exactly one of kind earth, found {', '.join(names)}")

@@ -117,6 +117,7 @@ class Spacecraft:
         self._loop = FlightLoop(config, self._physics, units, self._new_surroundings())
         self._surroundings = self._loop.surroundings
         self._follow_sky()
+        self._choose_actuators(config.initial_actuators)
         self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
         # Units whose telemetry changes only when something is switched, and whether it has been since the last look.
         self._switched_units = (

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from executive.bindings import Activity, Bindings, Finish, Maintained, Standby
 from executive.conditions import Condition, Telemetry
-from executive.sends import Conclusion, Confirmation, Send
+from executive.sends import Confirmation, Send
 from planner.problem import TokenPattern
 from scenarios.ds1.capability import EXPOSURE_S
+from scenarios.ds1.protection import (
+    CAMERA_HUNG,
+    CAMERA_STUCK_ON,
+    ENGINE_FAILED,
+    ENGINE_HUNG,
+    ENGINE_TRIPPED,
+    LPE_PROBE,
+    MONITORS,
+    RADIO_HUNG,
+    RESPONSES,
+)
 
-CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
 FOREVER_S = 10**9
 """Longer than any horizon: what lasts this long is never planned to end."""
 
@@ -31,12 +41,13 @@ ACTIVITIES = (
     Activity(
         "Attitude.point",
         parameters=("target",),
-        maintained=(Maintained("pointing", ON_TARGET, persistence=10),),
+        maintained=(Maintained("pointing", ON_TARGET, persistence=30),),
     ),
     Activity(
         "Engine.startUp",
         contingent=True,
         start=(Send("ips.start"),),
+        started=Confirmation(conclusion=ENGINE_HUNG),
         finish=Finish(_is("ips.state", "ready"), hold_early=True),
         stop=(Send("ips.stop"),),
     ),
@@ -44,21 +55,26 @@ ACTIVITIES = (
         "Engine.thrust",
         parameters=("level",),
         start=(Send("ips.thrust", {"level": "$level"}),),
-        started=Confirmation((*_is("ips.state", "thrusting"), Condition("ips.level", "==", "$level")), within=10),
-        maintained=(Maintained("thrust", _is("ips.state", "thrusting"), persistence=5),),
+        started=Confirmation(
+            (*_is("ips.state", "thrusting"), Condition("ips.level", "==", "$level")), within=10, conclusion=ENGINE_HUNG
+        ),
+        maintained=(Maintained("thrust", _is("ips.state", "thrusting"), 5, conclusion=ENGINE_TRIPPED, made_up=True),),
         stop=(Send("ips.stop"),),
     ),
     Activity(
         "Engine.shutDown",
         contingent=True,
         start=(Send("ips.stop"),),
+        started=Confirmation(
+            (Condition("ips.state", "!=", "thrusting"), Condition("ips.state", "!=", "ready")), conclusion=ENGINE_HUNG
+        ),
         finish=Finish(_is("ips.state", "standby"), hold_early=True),
     ),
     Activity(
         "Camera.warmUp",
         contingent=True,
         start=(Send("micas.power", {"on": True}),),
-        started=Confirmation(_is("micas.switch", "on"), within=10, retries=2),
+        started=Confirmation(_is("micas.switch", "on"), within=10, retries=2, unanswered=CAMERA_HUNG),
         finish=Finish(_is("micas.state", "ready"), hold_early=True),
     ),
     Activity("Camera.ready", maintained=(Maintained("camera ready", _is("micas.state", "ready"), persistence=5),)),
@@ -67,29 +83,32 @@ ACTIVITIES = (
         parameters=("target",),
         contingent=True,
         start=(Send("micas.expose", {"target": "$target", "seconds": EXPOSURE_S}),),
-        started=Confirmation(_is("micas.state", "exposing"), within=5),
+        started=Confirmation(_is("micas.state", "exposing"), within=5, unanswered=CAMERA_HUNG),
         finish=Finish((*_is("micas.state", "ready"), Condition("micas.images", "increased_by", 1)), hold_early=True),
     ),
     Activity(
         "Camera.off",
         start=(Send("micas.power", {"on": False}),),
-        started=Confirmation(_is("micas.switch", "off"), within=10, retries=2, conclusion=CAMERA_STUCK_ON),
+        started=Confirmation(
+            _is("micas.switch", "off"), within=10, retries=2, conclusion=CAMERA_STUCK_ON, unanswered=CAMERA_HUNG
+        ),
     ),
     Activity(
         "Radio.downlink",
         start=(Send("radio.power", {"on": True}), Send("radio.downlink", {"on": True})),
-        started=Confirmation(_is("radio.state", "downlinking"), within=10, retries=1),
+        started=Confirmation(_is("radio.state", "downlinking"), within=10, retries=1, unanswered=RADIO_HUNG),
         end=RADIO_OFF,
-        ended=Confirmation(_is("radio.state", "off"), within=10, retries=1),
+        ended=Confirmation(_is("radio.state", "off"), within=10, retries=1, unanswered=RADIO_HUNG),
         maintained=(Maintained("downlink", _is("radio.state", "downlinking"), persistence=5),),
         stop=RADIO_OFF,
     ),
 )
 
 # Safe: pointed at the Earth, the wings at the Sun, nothing thrusting, nothing exposing. The camera is told to be off
-# but may stay on: what it does shows in telemetry, and the next plan starts from there.
+# but may stay on: what it does shows in telemetry, and the next plan starts from there. PASM is on, so that the
+# terminal behind it can be asked for signs of life.
 STANDBY = Standby(
-    commands=(Send("acs.standby"), Send("micas.power", {"on": False})),
+    commands=(Send("acs.standby"), Send("micas.power", {"on": False}), Send("pasm.power", {"on": True})),
     confirmation=Confirmation(
         (
             *_is("acs.state", "settled"),
@@ -111,9 +130,11 @@ def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenP
         switch = TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
     else:
         switch = TokenPattern("Camera.switchedOn" if telemetry["micas.switch"] == "on" else "Camera.switchedOff")
+    health = "Engine.failed" if ENGINE_FAILED.name in conclusions else "Engine.works"
     return (
         TokenPattern("Attitude.point", parameters={"target": str(telemetry["acs.target"])}),
         TokenPattern("Engine.standby"),
+        TokenPattern(health, end=(FOREVER_S, None)),
         camera,
         switch,
     )
@@ -125,4 +146,7 @@ BINDINGS = Bindings(
     state=state_now,
     state_channels=("acs.target", "micas.state", "micas.switch"),
     observed=("power.bus",),
+    probes=(LPE_PROBE,),
+    monitors=MONITORS,
+    responses=RESPONSES,
 )

@@ -1,0 +1,166 @@
+"""Fault protection of Deep Space 1 as data: what speaks for which conclusion, and what is done about it.
+
+Monitors, conclusions and responses follow the flown cases: a hung terminal is reset, a status sensor that two others
+contradict is not believed, a thruster that stays closed is worked around by the mode that does not need it, and an
+engine that does not confirm its commands gets no more of them.
+"""
+
+from __future__ import annotations
+
+from executive.bindings import MODE
+from executive.conditions import Condition
+from executive.port import TelemetryValue
+from executive.protection import Monitor, Probe, Recovery, Response, Step, probe_channel
+from executive.sends import Conclusion, Confirmation, Send
+
+CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
+CAMERA_HUNG = Conclusion("micas.terminal hung", "the camera's terminal does not answer")
+RADIO_HUNG = Conclusion("radio.terminal hung", "the radio's terminal does not answer")
+LPE_HUNG = Conclusion("lpe.terminal hung", "the terminal of the LPE does not answer")
+LPE_DEAD = Conclusion("lpe.terminal dead", "the terminal of the LPE does not answer, and resets do not help")
+ENGINE_HUNG = Conclusion("ips.terminal hung", "the ion engine's terminal does not answer")
+ENGINE_TRIPPED = Conclusion("ips tripped", "the ion engine broke off thrusting by itself")
+ENGINE_FAILED = Conclusion("ips failed", "the ion engine is not to be relied on")
+ENGINE_RUNS_ON = Conclusion("ips runs on", "the ion engine thrusts without a plan")
+NEB1_STATUS_FALSE = Conclusion("neb1.status stuck_off", "the status sensor of bus NEB1 says off, and the bus is on")
+NEB1_OFF = Conclusion("neb1 off", "bus NEB1 has no power")
+PASM_STATUS_FALSE = Conclusion("pasm.status stuck_off", "the status of switch PASM says off, and what it feeds answers")
+X_THRUSTER_CLOSED = Conclusion("rcs.x_thruster stuck_closed", "a valve of the x-thrusters stays closed")
+Z_THRUSTER_CLOSED = Conclusion("rcs.z_thruster stuck_closed", "a valve of the z-thrusters stays closed")
+
+# The LPE's terminal hangs on PASM, which standby switches on. What the flown executive waited before its diagnosis was
+# 42 s: a probe's 6 and these.
+LPE_PROBE = Probe("lpe", Send("lpe.status"), every=300, within=6)
+LPE_SILENT_S = 36
+LPE = probe_channel("lpe")
+
+# Off target without turning back: the rate of a slew is ten times this, and it starts and brakes within seconds.
+DRIFT_ERROR_RAD = 1.0e-3
+DRIFT_RATE_RAD_S = 2.0e-4
+DRIFT_S = 10
+# A healthy slew turns at its limit of 2.62e-3 at the most.
+OVER_RATE_RAD_S = 3.4e-3
+OVER_RATE_S = 5
+STEADY_WITHIN_S = 1800
+RESTART_WITHIN_S = 2400
+
+
+def _is(channel: str, value: TelemetryValue) -> Condition:
+    return Condition(channel, "==", value)
+
+
+def _reset(terminal: str) -> Step:
+    return Step((Send("terminal.reset", {"name": terminal}),))
+
+
+def _lost_steering(mode: str, conclusion: Conclusion) -> tuple[Monitor, Monitor]:
+    """The attitude drifts off, or a slew runs away, while the thrusters steer in that mode."""
+    steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
+    drifting = (
+        _is("acs.state", "slewing"),
+        Condition("acs.error_rad", ">", DRIFT_ERROR_RAD),
+        Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
+    )
+    settled = (_is("acs.state", "settled"),)
+    too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
+    return (
+        Monitor(f"drift under {mode}", (*steering, *drifting), DRIFT_S, conclusion, until=settled),
+        Monitor(f"over-rate under {mode}", (*steering, *too_fast), OVER_RATE_S, conclusion, until=settled),
+    )
+
+
+MONITORS = (
+    Monitor("lpe-silent", (_is(LPE, "silent"), _is("pasm.switch", "on")), LPE_SILENT_S, LPE_HUNG),
+    # Of three witnesses of NEB1 (status, current, the star tracker behind it) the majority is believed.
+    Monitor(
+        "neb1-status",
+        (_is("neb1.status", "off"),),
+        6,
+        NEB1_STATUS_FALSE,
+        votes=(Condition("neb1.current_A", ">", 0.05), Condition("tracker.state", "!=", "off")),
+        needed=2,
+    ),
+    Monitor(
+        "neb1-power",
+        (_is("neb1.status", "off"),),
+        6,
+        NEB1_OFF,
+        votes=(Condition("neb1.current_A", "<=", 0.05), _is("tracker.state", "off")),
+        needed=1,
+    ),
+    Monitor("pasm-status", (_is("pasm.switch", "off"), _is(LPE, "answers")), 6, PASM_STATUS_FALSE),
+    *_lost_steering("x_for_y", X_THRUSTER_CLOSED),
+    *_lost_steering("z_for_y", Z_THRUSTER_CLOSED),
+    Monitor("thrust-in-standby", (_is(MODE, "standby"), _is("ips.state", "thrusting")), 30, ENGINE_RUNS_ON),
+)
+
+
+def _steer_by(name: str, send: Send, unless: tuple[str, ...] = ()) -> tuple[Recovery, Recovery]:
+    """Another way to steer, proven by the end of the longest slew; thrust is broken off meanwhile."""
+    thrusting = _is("ips.state", "thrusting")
+    idle = Step((Send("ips.idle"),), Confirmation((Condition("ips.state", "!=", "thrusting"),), within=5))
+    return (
+        Recovery(f"thrust off, {name}", (idle, Step((send,))), STEADY_WITHIN_S, when=(thrusting,), unless=unless),
+        Recovery(name, (Step((send,)),), STEADY_WITHIN_S, unless=unless),
+    )
+
+
+_X_FOR_Y = _steer_by(
+    "steer by the x-thrusters about Y", Send("rcs.mode", {"mode": "x_for_y"}), (X_THRUSTER_CLOSED.name,)
+)
+_Z_FOR_Y = _steer_by(
+    "steer by the z-thrusters about Y", Send("rcs.mode", {"mode": "z_for_y"}), (Z_THRUSTER_CLOSED.name,)
+)
+_WHEELS = _steer_by("steer by the wheels", Send("acs.actuators", {"name": "wheels"}))
+_RELIGHT = Step((Send("ips.thrust", {"level": "$level"}),), Confirmation((_is("ips.state", "thrusting"),), within=10))
+_START = Step((Send("ips.start"),), Confirmation((_is("ips.state", "ready"),), within=RESTART_WITHIN_S))
+_STOP = Step((Send("ips.stop"),))
+
+RESPONSES = (
+    Response(
+        LPE_HUNG.name,
+        (Recovery("reset the terminal", (_reset("lpe"),), within=12, attempts=2),),
+        otherwise=LPE_DEAD,
+        replan="never",
+    ),
+    Response(LPE_DEAD.name, forbids=("lpe.",), replan="never"),
+    Response(NEB1_STATUS_FALSE.name, vetoes={"neb1.status": "on"}, replan="never"),
+    Response(NEB1_OFF.name, replan="never"),
+    Response(PASM_STATUS_FALSE.name, vetoes={"pasm.switch": "on"}, replan="never"),
+    Response(
+        X_THRUSTER_CLOSED.name,
+        (*_Z_FOR_Y, *_WHEELS),
+        lasts=True,
+        restores=("pointing", "thrust"),
+        masks=(Z_THRUSTER_CLOSED.name, ENGINE_TRIPPED.name),
+    ),
+    Response(
+        Z_THRUSTER_CLOSED.name,
+        (*_X_FOR_Y, *_WHEELS),
+        lasts=True,
+        restores=("pointing", "thrust"),
+        masks=(X_THRUSTER_CLOSED.name, ENGINE_TRIPPED.name),
+    ),
+    Response(CAMERA_HUNG.name, (Recovery("reset the terminal", (_reset("micas"),), within=5),)),
+    Response(RADIO_HUNG.name, (Recovery("reset the terminal", (_reset("radio"),), within=5),)),
+    # Where the engine has done what it was told, it is the answer that was lost: nothing to reset, nothing to rely on.
+    Response(
+        ENGINE_HUNG.name,
+        (Recovery("reset the terminal", (_reset("ips"),), within=5, when=(Condition("ips.state", "!=", "starting"),)),),
+        otherwise=ENGINE_FAILED,
+    ),
+    Response(
+        ENGINE_TRIPPED.name,
+        (
+            Recovery("light it again", (_RELIGHT,), within=10, attempts=3, when=(_is("ips.state", "ready"),)),
+            Recovery("start it again", (_START, _RELIGHT), within=10, when=(_is("ips.state", "standby"),)),
+        ),
+        otherwise=ENGINE_FAILED,
+    ),
+    Response(ENGINE_FAILED.name, forbids=("ips.",), waives=("ips.state",)),
+    Response(
+        ENGINE_RUNS_ON.name,
+        (Recovery("reset the terminal and stop", (_reset("ips"), _STOP), within=10, attempts=2),),
+        otherwise=ENGINE_FAILED,
+    ),
+)
