@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 from planner.model.resources import LEVEL
 from planner.plan import FlexiblePlan, PlanToken
@@ -127,7 +128,7 @@ def _timelines(plan: FlexiblePlan) -> Iterator[Lane]:
             box.joined = before is not None and before.token.end == box.token.start
             boxes.append(box)
             before = box
-        for box, after in zip(boxes, [*boxes[1:], None], strict=True):
+        for box, after in zip_longest(boxes, boxes[1:]):
             ends_alone = after is None or not after.joined
             box.edge_text = bounds(box.token.start), bounds(box.token.end) if ends_alone else ""
         yield Lane(cut(f"{timeline.object}.{timeline.attribute}"), boxes, ordered=True)
