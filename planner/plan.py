@@ -108,6 +108,20 @@ class FlexiblePlan:
             for slot in timeline.slots:
                 yield self._by_id[slot[0]]
 
+    def supports(self, token_id: str) -> tuple[str, ...]:
+        """The hosts whose configuration constraints asked for a token of the same slot as this one."""
+        found = (self._by_id[one].master for one in self._slot_of(token_id))
+        return tuple(dict.fromkeys(self._slot_of(master)[0] for master in found if master is not None))
+
+    def supported_by(self, token_id: str) -> tuple[str, ...]:
+        """The hosts that the configuration constraints of the same slot as this token's asked for."""
+        asking = self._slot_of(token_id)
+        return tuple(dict.fromkeys(self._slot_of(t.id)[0] for t in self.tokens if t.master in asking))
+
+    def _slot_of(self, token_id: str) -> tuple[str, ...]:
+        slots = (slot for timeline in self.timelines for slot in timeline.slots)
+        return next((slot for slot in slots if token_id in slot), (token_id,))
+
     def to_json(self) -> dict[str, Any]:
         """The plan file's content."""
         return {

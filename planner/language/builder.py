@@ -15,7 +15,15 @@
         this.after(ready, bounds=(0, 0))
         this.throughout(off, idle)                   # a constraint token: other values too, and changes among them
 
-Everything here only calls `ModelManager.add_...`, so this is also the documentation of that interface by example.
+Everything here only calls `ModelManager.add_...`, so this is also the documentation of that interface by example. The
+finished model answers questions:
+
+    manager = model.finish()
+    [c.name for c in manager.lineage("Camera")]                         # Camera, Timeline, Object
+    manager.attributes_of("Camera"), manager.predicates_of("Camera"), manager.objects_of("Timeline")
+    ida, gaspra = (AttributeValue.of("Camera.picture", asteroid=name) for name in ("Ida", "Gaspra"))
+    manager.constraints_on([ida])                                       # what its rules ask for
+    come, go = manager.constraint_changes(before=[ida], after=[gaspra, AttributeValue.of("Engine.off")])
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from typing import Any
 from planner.constraints.procedure import ProcedureRegistry
 from planner.domains import BOOLEAN, Domain, Interval, Universe, Values
 from planner.errors import ModelError, nearest
+from planner.model.applicable import AttributeValue, ConfigurationConstraint, constraints_on
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
 from planner.model.relations import distances
 from planner.model.resources import USES, add_resource_predicates, resource_classes
@@ -276,6 +277,18 @@ class ModelManager:
     ) -> tuple[frozenset[Rule], frozenset[Rule]]:
         """The schemata that come to apply, and those that cease to, between two sets of attribute values."""
         old, new = self.applicable(before), self.applicable(after)
+        return new - old, old - new
+
+    def constraints_on(self, values: Iterable[AttributeValue]) -> frozenset[ConfigurationConstraint]:
+        """The configuration constraints that apply while attributes have these values, instantiated: guards that the
+        parameters decide are replaced by what they chose."""
+        return constraints_on(self, values)
+
+    def constraint_changes(
+        self, before: Iterable[AttributeValue], after: Iterable[AttributeValue]
+    ) -> tuple[frozenset[ConfigurationConstraint], frozenset[ConfigurationConstraint]]:
+        """The configuration constraints that come to apply, and those that cease to, between two sets of values."""
+        old, new = self.constraints_on(before), self.constraints_on(after)
         return new - old, old - new
 
     def objects_of(self, cls: str) -> Values:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
+from typing import Any
+
 import pytest
 
 from planner.constraints.procedure import ConstraintProcedure
 from planner.constraints.standard import STANDARD
 from planner.domains import Interval
 from planner.errors import ModelError
+from planner.language import builder as builder_module
 from planner.language.builder import ClassBuilder, ModelBuilder, PredicateBuilder, RuleBuilder
+from planner.model.applicable import AttributeValue
 from planner.model.manager import ModelManager
 from planner.model.rules import Apply, Constant, Guard, Local, OneOf, Ref, Relate, Require, Rule, Subgoal
 from planner.planning import plan
@@ -233,3 +238,16 @@ def test_finish_closes_the_model(builder: ModelBuilder) -> None:
     assert not builder.manager.is_closed
     model: ModelManager = builder.finish()
     assert model.is_closed
+
+
+def test_the_documentation_runs() -> None:
+    """The builder's docstring is the example by which the model manager's interface is told."""
+    text = inspect.getdoc(builder_module)
+    assert text is not None
+    code = "\n".join(line[4:] for line in text.splitlines() if line.startswith("    ") or not line)
+    names: dict[str, Any] = {"ModelBuilder": ModelBuilder, "STANDARD": STANDARD, "AttributeValue": AttributeValue}
+    exec(code, names)
+    assert isinstance(names["manager"], ModelManager)
+    assert names["manager"].is_closed
+    assert [c.value for c in names["come"]] == [names["gaspra"]]
+    assert [c.value for c in names["go"]] == [names["ida"]]
