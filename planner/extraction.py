@@ -19,6 +19,7 @@ from planner.plan import (
     Value,
 )
 from planner.temporal.network import INFINITY
+from planner.tokens.gap import Gap
 from planner.tokens.token import Token, TokenState
 
 _UNBOUNDED = 1 << 49
@@ -118,6 +119,8 @@ def _constraints(
     for _, from_, to, minimum, maximum, owner in database.temporal.constraints():
         if from_ not in names or to not in names or names[from_] == names[to]:
             continue
+        if isinstance(database.network.stakeholder_named(owner), Gap):
+            continue  # follows from the tokens in between
         pair, found = (names[from_], names[to]), (_finite(minimum), _finite(maximum))
         if (reverse := (pair[1], pair[0])) in bounds:
             pair, found = reverse, (_negated(found[1]), _negated(found[0]))

@@ -28,6 +28,7 @@ from planner.model.rules import (
     Statement,
     Subgoal,
 )
+from planner.model.transitions import TransitionGraph
 
 BASIC: dict[str, Domain] = {
     "int": Interval(-math.inf, math.inf),
@@ -56,6 +57,7 @@ class ModelManager:
         self._classes: dict[str, ModelClass] = {}
         self._aliases: dict[str, Domain] = {}
         self._rules: dict[tuple[str, str], tuple[Rule, ...]] = {}
+        self._transitions: dict[tuple[str, str], TransitionGraph] = {}
         self._instances: dict[str, Values] = {}
         for built_in in (ModelClass("Object", None), ModelClass("Timeline", "Object"), *resource_classes()):
             self._classes[built_in.name] = built_in
@@ -122,6 +124,7 @@ class ModelManager:
         self.predicate(cls, predicate)
         self.class_named(cls).rules.setdefault(predicate, []).append(rule)
         self._rules.clear()
+        self._transitions.clear()
 
     def constrain_parameters(self, cls: str, name: str, body: Sequence[Statement]) -> None:
         """Add parameter constraints to a predicate of this class: they hold for every token of it, active or not."""
@@ -267,6 +270,13 @@ class ModelManager:
         if isinstance(statement, OneOf):
             return replace(statement, branches=tuple(self._own(branch, cls) for branch in statement.branches))
         return statement
+
+    def transitions_of(self, cls: str, attribute: str) -> TransitionGraph:
+        """How soon the values of an attribute can follow one another, as objects of this class have it."""
+        key = (cls, attribute)
+        if key not in self._transitions:
+            self._transitions[key] = TransitionGraph(self, cls, attribute)
+        return self._transitions[key]
 
     def applicable(self, values: Iterable[tuple[str, str]]) -> frozenset[Rule]:
         """The schemata that apply while attributes have values of these predicates, each given as (class, name)."""

@@ -16,6 +16,7 @@ from planner.database import PlanDatabase
 from planner.model.classes import objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Insert, Limit, Order, Reject, Settle
 from planner.search.flaws import Astride, Flaw, OpenToken, Undecided
+from planner.tokens.gap import Succession
 from planner.tokens.instance import RuleInstance
 from planner.tokens.resources import Clash
 from planner.tokens.token import Token
@@ -47,6 +48,8 @@ class Culprits:
                 found.add(place)
             elif isinstance(owner, RuleInstance):
                 pending += self._behind_instance(owner)
+            elif isinstance(owner, Succession):
+                pending += (*_behind_token(owner.first), *_behind_token(owner.second))
             elif isinstance(owner, Clash):
                 pending += owner.causes
             else:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Protocol
 
 from planner.constraints.network import AnyVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.model.classes import ModelObject
+from planner.tokens.gap import Gap
 from planner.tokens.instance import GuardInstance
 from planner.tokens.token import Token
 
@@ -35,6 +37,7 @@ class Insert:
         tokens = database.tokens
         database.network.restrict(self.token.object, tokens.domain_of_object(self.object), self)
         tokens.insert(self.token, self.position, self)
+        keep_apart(database, self.token, self.position)
         database.network.propagate()
 
     def __repr__(self) -> str:
@@ -156,3 +159,18 @@ class Limit:
 
     def __repr__(self) -> str:
         return f"keep {self.variable.name} within {self.domain!r}"
+
+
+def keep_apart(database: PlanDatabase, token: Token, position: int) -> None:
+    """Leave time between a token that was inserted and its neighbours for what must come between them.
+
+    A token without rules, or one that may lie outside the horizon, asks for nothing between.
+    """
+    timeline = database.tokens.timeline_of(token)
+    graph = database.model.transitions_of(timeline.object.cls, timeline.attribute)
+    if graph.is_free:
+        return
+    near = timeline.sequence[max(0, position - 1) : position + 2]
+    for first, second in pairwise(near):
+        if not any(t.role == "fact" or t.may_be_outside(database.horizon) for t in (first, second)):
+            database.network.watch(Gap(graph, first, second))
