@@ -7,12 +7,13 @@ guards that are not decided) is left out: the answer may allow too much, never t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from planner.domains import Domain, Interval, singleton
-from planner.model.classes import ModelObject, Predicate
+from planner.model.classes import ModelObject, Predicate, objects_in
 from planner.model.relations import OE, OS, TE, TS, distances
 from planner.model.resources import USES
 from planner.model.rules import Constant, Expression, Guard, OneOf, Ref, Require, Statement, Subgoal
@@ -38,12 +39,14 @@ class Demand:
 @dataclass(frozen=True, slots=True, eq=False)
 class Node:
     """A predicate as tokens of it may be. `scope`: the domains of its parameters and of its duration. `after`,
-    `before`: of each group of demands one at least must be met by the token that directly follows or precedes."""
+    `before`: of each group of demands one at least must be met by the token that directly follows or precedes.
+    `inside`: what must last through all of it."""
 
     predicate: Predicate
     scope: Scope
     after: tuple[tuple[Demand, ...], ...]
     before: tuple[tuple[Demand, ...], ...]
+    inside: tuple[Demand, ...]
 
     @property
     def shortest(self) -> float:
@@ -79,13 +82,21 @@ class Grounding:
                         return None
                     changed = changed or any(domain is not scope[path] for path, domain in narrowed.items())
                     scope |= narrowed
-        return Node(predicate, scope, self._demands(body, scope, "after"), self._demands(body, scope, "before"))
+        after, before = self._demands(body, scope, "after"), self._demands(body, scope, "before")
+        return Node(predicate, scope, after, before, tuple(_demanded(body, self._lasts_through)))
 
     def accepts(self, demands: Sequence[Sequence[Demand]], node: Node, neighbour: Node) -> bool:
         """Whether the neighbour meets one demand of each group."""
-        return all(any(self._met(demand, node, neighbour) for demand in group) for group in demands)
+        return all(any(self.met(demand, node, neighbour) for demand in group) for group in demands)
 
-    def _met(self, demand: Demand, node: Node, neighbour: Node) -> bool:
+    def home_of(self, demand: Demand) -> tuple[ModelObject, str] | None:
+        """The timeline on which what a demand asks for must be; None where there may be several."""
+        declared = self.model.predicate(*demand.subgoal.predicate)
+        things = objects_in(self.model.objects_of(declared.cls))
+        return (things[0], declared.attribute) if len(things) == 1 else None
+
+    def met(self, demand: Demand, node: Node, neighbour: Node) -> bool:
+        """Whether the neighbour is what a demand of the node asks for."""
         if self.model.predicate(*demand.subgoal.predicate) is not neighbour.predicate:
             return False
         named = {(demand.subgoal.name, *path): domain for path, domain in neighbour.scope.items()}
@@ -93,18 +104,14 @@ class Grounding:
         return all(self._narrow(require, scope) is not None for require in demand.requires)
 
     def _demands(self, body: Sequence[Statement], scope: Scope, side: Side) -> tuple[tuple[Demand, ...], ...]:
-        groups: list[tuple[Demand, ...]] = [(demand,) for demand in self._stated(body, side)]
+        touches = partial(self._is_neighbour, side=side)
+        groups: list[tuple[Demand, ...]] = [(demand,) for demand in _demanded(body, touches)]
         for choice in body:
             if isinstance(choice, OneOf):
-                branches = [list(self._stated([*self._decided(b, scope)], side)) for b in choice.branches]
+                branches = [list(_demanded([*self._decided(b, scope)], touches)) for b in choice.branches]
                 if all(branches):
                     groups.append(tuple(demands[0] for demands in branches))
         return tuple(groups)
-
-    def _stated(self, body: Sequence[Statement], side: Side) -> Iterator[Demand]:
-        for subgoal in body:
-            if isinstance(subgoal, Subgoal) and self._is_neighbour(subgoal, side):
-                yield Demand(subgoal, tuple(s for s in body if isinstance(s, Require)))
 
     def _is_neighbour(self, subgoal: Subgoal, side: Side) -> bool:
         """Whether a subgoal lies on the token's own timeline and touches it on that side."""
@@ -114,10 +121,20 @@ class Grounding:
         its_own = subgoal.target is not None and _path(subgoal.target) == ("object",)
         if not its_own and self.model.objects_of(declared.cls).size > 1:
             return False
+        touching = {_TOUCHING[side], _TOUCHING[side][::-1]}
         return any(
-            ((d.from_, d.to) == _TOUCHING[side] or (d.to, d.from_) == _TOUCHING[side]) and d.minimum == d.maximum == 0
+            (d.from_, d.to) in touching and d.minimum == d.maximum == 0
             for d in distances(subgoal.relation, subgoal.bounds)
         )
+
+    def _lasts_through(self, subgoal: Subgoal) -> bool:
+        """Whether a subgoal lasts from the token's start or before to its end or after, on a timeline."""
+        if self.model.kind_of(self.model.predicate(*subgoal.predicate)) != "timeline":
+            return False
+        table = distances(subgoal.relation, subgoal.bounds)
+        covered = {(d.from_, d.to) for d in table if d.minimum >= 0}
+        covered |= {(d.to, d.from_) for d in table if d.maximum <= 0}
+        return (TS, OS) in covered and (OE, TE) in covered
 
     def _decided(self, statements: Sequence[Statement], scope: Scope) -> Iterator[Statement]:
         """The statements, with the branch in place of each guard whose test is decided."""
@@ -146,6 +163,13 @@ class Grounding:
         if narrowed is None:
             return None
         return {_path(a): d for a, d in zip(require.arguments, narrowed, strict=True) if isinstance(a, Ref)}
+
+
+def _demanded(body: Sequence[Statement], which: Callable[[Subgoal], bool]) -> Iterator[Demand]:
+    """Those subgoals of a body, each with what the body requires."""
+    for subgoal in body:
+        if isinstance(subgoal, Subgoal) and which(subgoal):
+            yield Demand(subgoal, tuple(s for s in body if isinstance(s, Require)))
 
 
 def _path(ref: Ref) -> tuple[str, ...]:

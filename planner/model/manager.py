@@ -13,6 +13,7 @@ from planner.domains import BOOLEAN, Domain, Interval, Universe, Values
 from planner.errors import ModelError, nearest
 from planner.model.applicable import AttributeValue, ConfigurationConstraint, constraints_on
 from planner.model.classes import Attribute, Kind, ModelClass, ModelObject, Parameter, Predicate, Type
+from planner.model.ground import Grounding
 from planner.model.relations import distances
 from planner.model.resources import USES, add_resource_predicates, resource_classes
 from planner.model.rules import (
@@ -275,7 +276,7 @@ class ModelManager:
         """How soon the values of an attribute can follow one another, as objects of this class have it."""
         key = (cls, attribute)
         if key not in self._transitions:
-            self._transitions[key] = TransitionGraph(self, cls, attribute)
+            self._transitions[key] = TransitionGraph(Grounding(self, cls, attribute), self.transitions_of)
         return self._transitions[key]
 
     def applicable(self, values: Iterable[tuple[str, str]]) -> frozenset[Rule]:

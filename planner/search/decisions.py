@@ -164,13 +164,16 @@ class Limit:
 def keep_apart(database: PlanDatabase, token: Token, position: int) -> None:
     """Leave time between a token that was inserted and its neighbours for what must come between them.
 
-    A token without rules, or one that may lie outside the horizon, asks for nothing between.
+    A fact has no rules, so it asks for nothing to come after it; nor does a token that may lie outside the horizon.
+    Facts are on their timelines before anything else is, hence no later one can come in between.
     """
+    timelines = database.tokens.timelines
     timeline = database.tokens.timeline_of(token)
     graph = database.model.transitions_of(timeline.object.cls, timeline.attribute)
     if graph.is_free:
         return
+    alone = any(host.role == "fact" for home in graph.around for host in timelines[home].sequence)
     near = timeline.sequence[max(0, position - 1) : position + 2]
     for first, second in pairwise(near):
         if not any(t.role == "fact" or t.may_be_outside(database.horizon) for t in (first, second)):
-            database.network.watch(Gap(graph, first, second))
+            database.network.watch(Gap(graph, first, second, alone))

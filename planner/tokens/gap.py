@@ -24,14 +24,16 @@ class Succession:
 
 class Gap:
     """Keeps a token and a later one as far apart as the transition graph demands, the more the better their parameters
-    are known. What it posts follows from the rules of any complete plan."""
+    are known. What it posts follows from the rules of any complete plan. `alone`: as in `least_gap`.
+    """
 
-    __slots__ = ("graph", "least", "owner", "queued", "scope", "succession")
+    __slots__ = ("alone", "graph", "least", "owner", "queued", "scope", "succession")
 
-    def __init__(self, graph: TransitionGraph, first: Token, second: Token) -> None:
+    def __init__(self, graph: TransitionGraph, first: Token, second: Token, alone: bool) -> None:
         self.graph = graph
         self.succession = self.owner = Succession(first, second)
         self.scope: Sequence[AnyVariable] = (*first.parameters.values(), *second.parameters.values())
+        self.alone = alone
         self.queued = False
         self.least = 0.0
 
@@ -43,6 +45,7 @@ class Gap:
             [variable.domain for variable in first.parameters.values()],
             second.predicate,
             [variable.domain for variable in second.parameters.values()],
+            self.alone,
         )
         if least == math.inf:
             raise Inconsistency(because=self)
