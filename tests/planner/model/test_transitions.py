@@ -32,7 +32,11 @@ def turn_duration() -> ConstraintProcedure:
         if not left:
             return None
         ticks = [TURNS[pair] for pair in left]
-        return origin.keep(o for o, _ in left), target.keep(t for _, t in left), duration.bounded(min(ticks), max(ticks))
+        return (
+            origin.keep(o for o, _ in left),
+            target.keep(t for _, t in left),
+            duration.bounded(min(ticks), max(ticks)),
+        )
 
     return ConstraintProcedure("turnTakes", narrow, 3, 3)
 
