@@ -70,14 +70,14 @@ class Wishes:
     def _time(self, wish: Wish, latest: int | None, token: PlanToken) -> int | None:
         if wish == "earliest":
             return None
-        if isinstance(wish, Near):
-            return _seconds(wish, token)
-        opening, end = self._network.plan.horizon
-        return end if latest is None else max(opening, min(latest, end))
+        end = self._network.plan.horizon[1]
+        last = end if latest is None else min(latest, end)
+        return min(_seconds(wish, token), last) if isinstance(wish, Near) else last
 
     def _delay(self, place: int, time: int) -> None:
         if place not in self._before:
-            self._before[place] = slack_before(self._network.stnu, place)
+            found = slack_before(self._network.stnu, place)
+            self._before[place] = {other: slack for other, slack in found.items() if slack >= 0}
         for other, slack in self._before[place].items():
             self._wanted[other] = max(self._wanted.get(other, 0), time - slack)
 

@@ -14,6 +14,7 @@ from executive.bindings import Activity, Bindings, Finish, Maintained, Standby, 
 from executive.conditions import Condition, Telemetry
 from executive.executive import Executive
 from executive.journal import Journal
+from executive.monitor import Diagnoser
 from executive.port import Acknowledgement, Command, Observation, Plant, TelemetryValue
 from executive.protection import Monitor, Recovery, Response, Step
 from executive.records import Settings
@@ -277,6 +278,7 @@ def fly(
     horizon: tuple[int, int] = (0, 120),
     settings: Settings | None = None,
     step: Callable[[Executive], None] | None = None,
+    diagnosers: tuple[Diagnoser, ...] = (),
 ) -> Run:
     stream = io.StringIO()
     chosen = settings or Settings("scripted", 1, budget=5, retry_delay=10)
@@ -288,6 +290,7 @@ def fly(
         horizon,
         Journal(stream),
         chosen,
+        diagnosers,
     )
     if step is None:
         executive.run_until(horizon[1])
