@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from planner.constraints.network import Owner
+from collections.abc import Iterator
+
+from planner.constraints.network import Owner, Variable
 from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.model.classes import ModelObject
@@ -48,6 +50,7 @@ def extract(database: PlanDatabase) -> FlexiblePlan:
         tokens=tuple(_token(database, t, ids, distances) for t in tokens),
         constraints=constraints,
         boundary=tuple(_token(database, t, ids, distances) for t in outside),
+        variables=dict(_variables(database)),
     )
 
 
@@ -57,6 +60,14 @@ def numbered(database: PlanDatabase) -> tuple[list[tuple[str, Token]], list[tupl
     outside = [t for t in database.tokens.tokens if t.state is TokenState.INACTIVE]
     names = iter(range(len(tokens) + len(outside)))
     return [(f"t{next(names)}", t) for t in tokens], [(f"t{next(names)}", t) for t in outside]
+
+
+def _variables(database: PlanDatabase) -> Iterator[tuple[str, ParameterValue]]:
+    """The variables that the model's rules may know."""
+    for name in database.model.variables:
+        found = database.tokens.names.get(name)
+        if isinstance(found, Variable):
+            yield name, _value(found.domain)
 
 
 def host_of(token: Token) -> Token:

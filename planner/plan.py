@@ -84,6 +84,7 @@ class FlexiblePlan:
 
     `boundary`: what configuration constraints ask for that may still lie wholly outside the horizon; a plan speaks of
     its horizon only, so these are on no timeline and bind nothing. Their object is empty where it is undecided.
+    `variables`: the values of the problem's own variables.
     """
 
     model: str
@@ -93,6 +94,7 @@ class FlexiblePlan:
     tokens: tuple[PlanToken, ...]
     constraints: tuple[PlanConstraint, ...]
     boundary: tuple[PlanToken, ...] = ()
+    variables: Mapping[str, ParameterValue] = field(default_factory=dict)
     _by_id: dict[str, PlanToken] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -138,6 +140,7 @@ class FlexiblePlan:
                 {"from": c.from_, "to": c.to, "min": c.min, "max": c.max, "why": c.why} for c in self.constraints
             ],
             "boundary": [_token_to_json(t) for t in self.boundary],
+            **({"variables": _parameters_to_json(self.variables)} if self.variables else {}),
         }
 
     @classmethod
@@ -174,9 +177,15 @@ class FlexiblePlan:
         lower, upper = reader.pair("horizon")
         if lower is None or upper is None or lower > upper:
             raise PlanFormatError(f"plan.horizon: expected [start, end] with start <= end, found {[lower, upper]!r}")
-        objects = tuple(_Reader(reader.array("objects"), "plan.objects").texts())
         return cls(
-            reader.text("model"), (lower, upper), objects, tuple(timelines), tokens, tuple(constraints), boundary
+            model=reader.text("model"),
+            horizon=(lower, upper),
+            objects=tuple(_Reader(reader.array("objects"), "plan.objects").texts()),
+            timelines=tuple(timelines),
+            tokens=tokens,
+            constraints=tuple(constraints),
+            boundary=boundary,
+            variables=reader.values("variables", optional=True),
         )
 
     def save(self, path: Path) -> None:
@@ -234,13 +243,13 @@ def _parameters_to_json(parameters: Mapping[str, ParameterValue]) -> dict[str, A
 def _token_from_json(entry: _Reader) -> PlanToken:
     allowed = None
     if isinstance(entry.content, dict) and "allowed" in entry.content:
-        allowed = tuple(PlanValue(v.text("predicate"), _parameters(v)) for v in entry.entries("allowed"))
+        allowed = tuple(PlanValue(v.text("predicate"), v.values("parameters")) for v in entry.entries("allowed"))
     return PlanToken(
         id=entry.text("id"),
         object=entry.text("object"),
         attribute=entry.text("attribute"),
         predicate=entry.text("predicate"),
-        parameters=_parameters(entry),
+        parameters=entry.values("parameters"),
         start=entry.pair("start"),
         end=entry.pair("end"),
         duration=entry.pair("duration"),
@@ -250,14 +259,6 @@ def _token_from_json(entry: _Reader) -> PlanToken:
         master=entry.optional_text("master"),
         allowed=allowed,
     )
-
-
-def _parameters(entry: _Reader) -> dict[str, ParameterValue]:
-    parameters = entry.value("parameters")
-    place = f"{entry.path}.parameters"
-    if not isinstance(parameters, dict):
-        raise PlanFormatError(f"{place}: expected an object, found {parameters!r}")
-    return {name: _parameter(value, f"{place}.{name}") for name, value in parameters.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,6 +313,15 @@ class _Reader:
         if default is not None and isinstance(self.content, dict) and name not in self.content:
             return [_Reader(entry, self.path) for entry in default]
         return [_Reader(entry, f"{self.path}.{name}[{i}]") for i, entry in enumerate(self.array(name))]
+
+    def values(self, name: str, optional: bool = False) -> dict[str, ParameterValue]:
+        """Values by name."""
+        if optional and isinstance(self.content, dict) and name not in self.content:
+            return {}
+        found, place = self.value(name), f"{self.path}.{name}"
+        if not isinstance(found, dict):
+            raise PlanFormatError(f"{place}: expected an object, found {found!r}")
+        return {key: _parameter(value, f"{place}.{key}") for key, value in found.items()}
 
     def bound(self, name: str) -> Bound:
         return _bound(self.value(name), f"{self.path}.{name}")

@@ -21,6 +21,7 @@ from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.rationale import rationale
 from planner.search.collector import patient_collector
+from planner.search.endless import assign_endless
 from planner.search.engines import ENGINES
 from planner.search.outcome import Limits, Outcome
 from planner.temporal.network import TemporalNetworkManager
@@ -170,7 +171,7 @@ class _Planning:
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = ENGINES[self.engine].search(database, limits, None, _described)
+            outcome = ENGINES[self.engine].search(database, limits, assign_endless, _described)
         except Inconsistency as inconsistency:
             conflict += database.network.explain(inconsistency)
             outcome.exhausted = True

@@ -45,7 +45,8 @@ SAME_OBJECT = Ref(("object",))
 class ModelManager:
     """A domain model: filled by a front end through `add_...`, then asked by the planner.
 
-    Every `add_...` raises ModelError when a name is taken or unknown, with the nearest names that exist.
+    Every `add_...` raises ModelError when a name is taken or unknown, with the nearest names that exist. `variables`:
+    the types of a problem's own variables, which rules may speak of.
     """
 
     def __init__(self, name: str, procedures: ProcedureRegistry) -> None:
@@ -54,6 +55,7 @@ class ModelManager:
         self.enumerations: dict[str, Universe] = {}
         self.strings = Universe("string", (), is_open=True)
         self.objects: dict[str, ModelObject] = {}
+        self.variables: dict[str, Type] = {}
         self._object_universe = Universe("object", (), is_open=True)
         self._classes: dict[str, ModelClass] = {}
         self._aliases: dict[str, Domain] = {}

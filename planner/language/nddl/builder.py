@@ -66,6 +66,8 @@ def build(
         model.close()
     except ModelError as error:
         report.complain(Complaint(statements[0].at, str(error)))
+    things = model.objects
+    model.variables.update((n, t) for n, t in symbols.variables.items() if n not in things)
     problem = [s for s in statements if isinstance(s, PROBLEM)]
     horizon, max_steps = _config(model, symbols)
     report.raise_if_failed()

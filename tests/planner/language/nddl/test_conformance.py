@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from planner.checker import check
 from planner.constraints.standard import STANDARD
 from planner.language.nddl.errors import UnsupportedError
 from planner.language.nddl.operators import ALIASES
+from planner.plan import FlexiblePlan
 from tests.planner.language.nddl.running import Run
 
 PUMP = """
@@ -178,3 +182,18 @@ def test_a_transaction_declared_again_is_still_an_instant() -> None:
     )
     assert run.plan is not None
     assert run.plan.tokens[0].duration == (0, 0)
+
+
+# Variables of the problem in rules
+
+
+def test_the_plan_says_what_its_rules_know_of_the_problem_and_is_judged_by_it() -> None:
+    text = PUMP + "enum Mode {slow, fast} Mode mode; int least = [2 4]; neq(mode, slow);"
+    text += "Pump::run { if (mode == fast) { meets(idle i); } eq(speed, least); }"
+    run = Run(text + "goal(pump.run t); leq(t.end, 50);")
+    assert run.plan is not None
+    assert run.plan.variables == {"mode": "fast", "least": 2}
+    assert check(FlexiblePlan.from_json(run.plan.to_json()), run.model) == ()
+    other = replace(run.plan, variables={"mode": "fast", "least": 3})
+    (violation,) = check(other, run.model)
+    assert "eq(speed = [2 2], least = [3 3]) does not hold" in str(violation)
