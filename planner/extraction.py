@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from planner.constraints.network import Owner, Variable
 from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
@@ -50,8 +48,19 @@ def extract(database: PlanDatabase) -> FlexiblePlan:
         tokens=tuple(_token(database, t, ids, distances) for t in tokens),
         constraints=constraints,
         boundary=tuple(_token(database, t, ids, distances) for t in outside),
-        variables=dict(_variables(database)),
+        variables=_variables(database),
     )
+
+
+def _variables(database: PlanDatabase) -> dict[str, ParameterValue]:
+    """The problem's variables, and the members of objects of which something was decided."""
+    model, tokens = database.model, database.tokens
+    found = {name: v for name, v in tokens.names.items() if name in model.variables and isinstance(v, Variable)}
+    values = {name: _value(variable.domain) for name, variable in found.items()}
+    for thing, name, variable in tokens.open_members():
+        if variable.domain != thing.members.get(name, model.domain_of(model.members_of(thing.cls)[name])):
+            values[f"{thing}.{name}"] = _value(variable.domain)
+    return values
 
 
 def numbered(database: PlanDatabase) -> tuple[list[tuple[str, Token]], list[tuple[str, Token]]]:
@@ -60,14 +69,6 @@ def numbered(database: PlanDatabase) -> tuple[list[tuple[str, Token]], list[tupl
     outside = [t for t in database.tokens.tokens if t.state is TokenState.INACTIVE]
     names = iter(range(len(tokens) + len(outside)))
     return [(f"t{next(names)}", t) for t in tokens], [(f"t{next(names)}", t) for t in outside]
-
-
-def _variables(database: PlanDatabase) -> Iterator[tuple[str, ParameterValue]]:
-    """The variables that the model's rules may know."""
-    for name in database.model.variables:
-        found = database.tokens.names.get(name)
-        if isinstance(found, Variable):
-            yield name, _value(found.domain)
 
 
 def host_of(token: Token) -> Token:

@@ -31,7 +31,7 @@ from planner.checker.temporal import (
     check_order,
 )
 from planner.checker.uses import Choice, check_all_resources
-from planner.checker.view import Slot, View
+from planner.checker.view import Slot, View, variables_of
 from planner.checker.violations import Kind, Violation
 from planner.domains import Interval
 from planner.model.manager import ModelManager
@@ -66,7 +66,9 @@ def check(
     network = PlanNetwork(plan, hosts | {limit: limit for limit in limits})
     if network.conflict:
         return (*found, *check_consistency(network))
-    view = View(plan, model, slots, network, limits)
+    variables, wrong = variables_of(plan, model)
+    found += [Violation("parameter", text) for text in wrong]
+    view = View(plan, model, slots, network, limits, variables)
     matches: Matches = {}
     if problem is not None:
         matches, unmatched = match_statements(view, problem)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from planner.checker.view import Slot, View, closed, value_of
+from planner.checker.view import Slot, View, closed
 from planner.domains import Domain, Interval, Values, singleton
 from planner.errors import ModelError
 from planner.model.classes import ModelObject, Predicate
@@ -145,11 +145,6 @@ class Expressions:
             return self.only(constant.value)
         return singleton(constant.value)
 
-    def _variable(self, name: str) -> Domain:
-        """What the plan says that a variable of the problem is, or all that its type allows."""
-        domain = self.model.domain_of(self.model.variables[name])
-        return value_of(domain, self.view.plan.variables.get(name)) or closed(domain)
-
     def _first(self, name: str, names: Names, path: Path) -> Meaning:
         if name == "this":
             return self.slot
@@ -160,10 +155,10 @@ class Expressions:
             return self._part(self.slot, name)
         if name in self.model.members_of(self.slot.object.cls):
             return self._member(self.slot.object, name)
+        if name in self.view.variables:
+            return self.view.variables[name]
         if name in self.model.objects:
             return self.model.objects[name]
-        if name in self.model.variables:
-            return self._variable(name)
         raise ModelError(f"{self.slot.predicate.full_name}: {name!r} means nothing here")
 
     def _part(self, whole: Meaning, name: str) -> Meaning:
@@ -198,6 +193,6 @@ class Expressions:
         value = thing.members.get(name)
         if isinstance(value, ModelObject):
             return value
-        if value is None:
-            return closed(self.model.domain_of(known[name]))
-        return closed(value) if isinstance(value, Interval | Values) else singleton(value)
+        if value is None or isinstance(value, Interval | Values):
+            return self.view.variables[f"{thing}.{name}"]
+        return singleton(value)

@@ -64,13 +64,14 @@ class Limit:
 @dataclass(frozen=True)
 class View:
     """A structurally sound plan. `slots`: by host, those of timelines first, then tokens of other attributes alone.
-    `limits`: the constraint tokens."""
+    `limits`: the constraint tokens. `variables`: what the plan decides besides tokens."""
 
     plan: FlexiblePlan
     model: ModelManager
     slots: dict[str, Slot]
     network: PlanNetwork
     limits: Mapping[str, Limit] = field(default_factory=dict)
+    variables: Mapping[str, Domain] = field(default_factory=dict)
     _by_token: dict[str, Slot] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -107,6 +108,27 @@ def value_of(domain: Domain, value: object) -> Domain | None:
     if domain.is_open and domain.universe.name == "string" and isinstance(value, str):
         return singleton(value)
     return None
+
+
+def variables_of(plan: FlexiblePlan, model: ModelManager) -> tuple[dict[str, Domain], list[str]]:
+    """The variables of the problem and the open members of objects with what the plan says of them, and what it says
+    that cannot be."""
+    declared = {name: closed(model.domain_of(type_)) for name, type_ in model.variables.items()}
+    for thing in model.objects.values():
+        for name, type_ in model.members_of(thing.cls).items():
+            value = thing.members.get(name)
+            if value is None or isinstance(value, Interval | Values):
+                declared[f"{thing}.{name}"] = closed(model.domain_of(type_) if value is None else value)
+    said = {name: f"the plan gives {name} as {value!r}" for name, value in plan.variables.items()}
+    wrong = [f"{text}, the model has no such variable" for name, text in said.items() if name not in declared]
+    found = {}
+    for name, domain in declared.items():
+        given = values_of(domain, plan.variables[name]) if name in plan.variables else domain
+        found[name] = domain.intersect(given) if given is not None else domain
+        if given is None or found[name].is_empty:
+            found[name] = domain
+            wrong.append(f"{said[name]}, expected some of {domain!r}")
+    return found, wrong
 
 
 def allowed_by(model: ModelManager, values: Iterable[PlanValue]) -> dict[str, dict[str, Domain]]:

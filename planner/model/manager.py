@@ -152,6 +152,11 @@ class ModelManager:
         self._instances.clear()
         return self.objects[name]
 
+    def add_variable(self, name: str, type_: Type) -> None:
+        """Declare a variable of the problem that rules may name, with the values from which a plan chooses."""
+        self.domain_of(type_)
+        self.variables[name] = type_
+
     def set_member(self, thing: ModelObject, member: str, value: Any) -> None:
         """Give a member of an object its value, before the creation of objects ends."""
         known = self.members_of(thing.cls)

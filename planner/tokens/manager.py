@@ -316,6 +316,13 @@ class TokenNetworkManager:
                 self._members[key] = self.constant(value)
         return self._members[key]
 
+    def open_members(self) -> Iterator[tuple[ModelObject, str, Variable]]:
+        """The members that objects leave open, as far as somebody asked for them."""
+        for (thing, name), found in self._members.items():
+            given = thing.members.get(name)
+            if isinstance(found, Variable) and (given is None or isinstance(given, Interval | Values)):
+                yield thing, name, found
+
     def member_of_any(self, of: Variable, objects: Sequence[ModelObject], name: str, owner: Owner) -> Variable:
         """A variable that equals the member of whichever object `of` turns out to be."""
         members = {thing: self._member_variable(thing, name) for thing in objects}

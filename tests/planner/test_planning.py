@@ -55,6 +55,10 @@ def test_figure_2_a_picture_and_what_it_needs() -> None:
         pairs = {(c.from_, c.to, c.min, c.max) for c in found.constraints}
         assert (f"{holder.id}.start", f"{picture.id}.start", 0, None) in pairs
         assert (f"{picture.id}.end", f"{holder.id}.end", 0, None) in pairs
+    # Who required what: the picture, all of it.
+    assert set(found.supported_by(picture.id)) == {before.id, after.id, off.id, point.id}
+    assert found.supports(off.id) == found.supports(before.id) == (picture.id,)
+    assert found.supports(picture.id) == found.supported_by(off.id) == ()
     assert picture.start == (20, 30)
     assert picture.duration == (3, 6)
 

@@ -66,8 +66,6 @@ def build(
         model.close()
     except ModelError as error:
         report.complain(Complaint(statements[0].at, str(error)))
-    things = model.objects
-    model.variables.update((n, t) for n, t in symbols.variables.items() if n not in things)
     problem = [s for s in statements if isinstance(s, PROBLEM)]
     horizon, max_steps = _config(model, symbols)
     report.raise_if_failed()
@@ -104,7 +102,9 @@ def _declaration(node: Declaration, builder: ModelBuilder, objects: Objects) -> 
             cls = builder.symbols.class_of(node.type)
             if cls is None or not builder.symbols.is_subclass(thing.cls, cls):
                 raise Complaint(variable.at, f"variable {variable.name!r} is of type {node.type}, not {thing.cls}")
-        elif variable.value is not None:
+            continue
+        builder.variable(node.type, variable)
+        if variable.value is not None:
             value = objects.literals.value(variable.value)
             if value is not None:
                 objects.variables[variable.name] = value

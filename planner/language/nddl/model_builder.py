@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from planner.domains import Universe
+from planner.domains import Domain, Universe, singleton
 from planner.errors import ModelError
 from planner.language.nddl.causality import Supports
 from planner.language.nddl.errors import Complaint, Report
@@ -198,6 +198,17 @@ class ModelBuilder:
         found.parameters.append(Parameter(variable.name, node.type))
         if value is not None:
             found.rest.append(Assignment(Name((variable.name,), at=variable.at), value, at=variable.at))
+
+    def variable(self, type_: str, declarator: Declarator) -> None:
+        """Let the model know a variable of the problem and the values that its declaration leaves."""
+        given: Domain | None = None
+        if declarator.value is not None:
+            translator = Translator(self.symbols, self.model, self.report, Scope(self.symbols))
+            given, value = translator.initial_domain(type_, declarator.value), self.literals.value(declarator.value)
+            if given is None and value is not None:
+                given = self.literals.domain_of_type(type_).intersect(singleton(value))
+        base = self.symbols.base(type_)
+        self.model.add_variable(declarator.name, base if given is None or given.is_empty else given)
 
     def _duration(self, node: Statement, found: _Predicate) -> bool:
         """Whether the statement bounds the duration by numbers; then it becomes the predicate's own bounds."""
