@@ -38,6 +38,7 @@ def ds1() -> tuple[ModelManager, Problem, FlexiblePlan]:
     state = (
         TokenPattern("Attitude.point", parameters={"target": "earth"}),
         TokenPattern("Engine.standby"),
+        TokenPattern("Engine.works"),
         TokenPattern("Camera.off"),
         TokenPattern("Camera.switchedOff"),
     )

@@ -105,7 +105,7 @@ def test_the_flown_domain_prints_and_says_what_nature_decides() -> None:
         "Camera.warmUp": (600, 902),
         "Camera.takeImage": (50, 72),
     }
-    assert [p.full_name for p in found if p.exogenous] == ["Camera.stuckOn"]
+    assert [p.full_name for p in found if p.exogenous] == ["Engine.works", "Engine.failed", "Camera.stuckOn"]
     assert {t.predicate for t in plan.tokens if t.contingent} == set(contingent) - {"Engine.shutDown"}
 
 
