@@ -53,6 +53,7 @@ def invented(seed: int, size: int) -> FlexiblePlan:
 
 PLANS = {
     **{path.stem: path for path in sorted(EXAMPLES.glob("*.nddl"))},
+    "survey": EXAMPLES / "survey" / "survey.nddl",
     **{f"invented-{size}": size for size in (5, 40, 200)},
     "ds1": None,
 }
@@ -63,7 +64,8 @@ def plan(request: pytest.FixtureRequest) -> FlexiblePlan:
     """Each of the plans that are drawn here."""
     source = PLANS[request.param]
     if isinstance(source, Path):
-        found = plan_file(source).plan
+        own = [str(path) for path in source.parent.glob("travel.py")]
+        found = plan_file(source, procedures=own).plan
         assert found is not None
         return found
     return ds1()[2] if source is None else invented(source, source)

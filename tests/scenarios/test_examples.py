@@ -13,11 +13,14 @@ from planner.language.nddl.errors import NddlError
 from scenarios.plan_verb import PlanAnswer, plan_file
 
 FOLDER = Path(scenarios.__file__).parent / "examples"
-NAMES = sorted(path.stem for path in FOLDER.glob("*.nddl"))
+SURVEY = "survey/survey"
+TRAVEL = [str(FOLDER / "survey" / "travel.py")]
+NAMES = [*sorted(path.stem for path in FOLDER.glob("*.nddl")), SURVEY]
 
 
 def answer(name: str) -> PlanAnswer:
-    return plan_file(FOLDER / f"{name}.nddl", max_seconds=20)
+    own = TRAVEL if name == SURVEY else ()
+    return plan_file(FOLDER / f"{name}.nddl", max_seconds=20, procedures=own)
 
 
 def test_there_are_examples() -> None:
@@ -86,6 +89,31 @@ def test_satellite_turns_the_wish_down() -> None:
     assert [t.parameters["target"] for t in found.plan.hosts() if t.predicate == "Camera.picture"] == ["Volcano"]
     (slew,) = [t for t in found.plan.hosts() if t.predicate == "Attitude.slewing"]
     assert slew.contingent
+
+
+def test_survey_drives_as_long_as_its_procedure_says_and_looks_by_day() -> None:
+    plan = answer(SURVEY).plan
+    assert plan is not None
+    drives = {(t.parameters["origin"], t.parameters["target"]): t for t in plan.hosts() if t.predicate == "Rover.drive"}
+    assert {way: drive.duration for way, drive in drives.items()} == {
+        ("Home", "Near"): (12, 18),
+        ("Near", "Far"): (20, 31),
+        ("Far", "Home"): (30, 47),
+    }
+    assert all(drive.contingent for drive in drives.values())
+    assert {f"{line.object}.{line.attribute}" for line in plan.timelines} >= {"rover.wheels", "rover.mast"}
+    assert not [t for t in plan.tokens if t.predicate == "Reservoir.consume"]  # the first alternative, which is free
+
+
+def test_survey_in_the_dark_takes_the_other_alternative(tmp_path: Path) -> None:
+    path = tmp_path / "dark.nddl"
+    path.write_text((FOLDER / f"{SURVEY}.nddl").read_text().replace("day.end == DUSK", "day.end == 25"))
+    found = plan_file(path, max_seconds=20, procedures=TRAVEL)
+    assert not found.solved  # the battery has the power of one panorama
+    path.write_text(path.read_text().replace("CHARGE = 50.0", "CHARGE = 60.0"))
+    found = plan_file(path, max_seconds=20, procedures=TRAVEL)
+    assert found.plan is not None
+    assert len([t for t in found.plan.tokens if t.predicate == "Reservoir.consume"]) == 2
 
 
 def test_verdicts(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ def test_print_and_parse_is_the_identity(sample: Sample) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted([*EXAMPLES.glob("*.nddl"), *EXAMPLES.parent.glob("ds1/*.nddl")]), ids=lambda p: p.name
+    "path", sorted([*EXAMPLES.rglob("*.nddl"), *EXAMPLES.parent.glob("ds1/*.nddl")]), ids=lambda p: p.name
 )
 def test_examples(path: object) -> None:
     first = read(path.read_text())  # type: ignore[attr-defined]

@@ -1,0 +1,1 @@
+"""Example problems in NDDL, each saying at its top what it shows."""

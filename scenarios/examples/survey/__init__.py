@@ -1,0 +1,1 @@
+"""A survey rover whose model has a constraint procedure of its own."""
