@@ -8,7 +8,7 @@ from typing import Literal
 
 from executive.conditions import Condition, Telemetry, is_reference
 from executive.errors import BindingsError
-from executive.protection import OWN, Monitor, Probe, Response, probe_channel
+from executive.protection import OWN, Monitor, Probe, Response, concluded_channel, probe_channel
 from executive.sends import (
     ACKNOWLEDGED,
     Conclusion,
@@ -212,6 +212,7 @@ class Bindings:
         for monitor in self.monitors:
             self._check_responses(f"monitor {monitor.name!r}", monitor.conclusion, set())
         own = {NEXT_PLAN, MODE, *(probe_channel(probe.name) for probe in self.probes)}
+        own.update(concluded_channel(conclusion) for conclusion in self.conclusions())
         for name in self._read():
             if name.startswith(OWN) and name not in own:
                 raise BindingsError(f"bindings: condition on {name!r}: the executive has no such channel")
@@ -230,6 +231,14 @@ class Bindings:
     def activity(self, predicate: str) -> Activity | None:
         """The activity of that predicate, None when its tokens only take time."""
         return self._by_predicate.get(predicate)
+
+    def conclusions(self) -> Iterable[Conclusion]:
+        """All that may be concluded by activities, monitors and responses."""
+        for activity in self.activities:
+            yield from activity.conclusions()
+        yield from (monitor.conclusion for monitor in self.monitors)
+        yield from (response.otherwise for response in self.responses if response.otherwise is not None)
+        yield from self.standby.confirmation.conclusions()
 
     def response(self, conclusion: Conclusion) -> Response | None:
         """What is done about a conclusion, None when nothing but planning anew."""

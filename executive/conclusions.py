@@ -9,7 +9,7 @@ from executive.bindings import Bindings
 from executive.conditions import Telemetry
 from executive.journal import Journal
 from executive.port import TelemetryValue
-from executive.protection import Response
+from executive.protection import Response, concluded_channel
 from executive.sends import Conclusion
 from planner.problem import TokenPattern
 
@@ -38,6 +38,8 @@ class Conclusions:
         self._under_way: set[str] = set()
         self._worked_around: set[str] = set()
         self._faults: list[FaultRecord] = []
+        known = {conclusion.name: concluded_channel(conclusion) for conclusion in bindings.conclusions()}
+        self._channels = tuple((channel, name) for name, channel in known.items())
         self._vetoes: dict[str, TelemetryValue | None] = {}
 
     @property
@@ -55,6 +57,10 @@ class Conclusions:
             and name not in self._worked_around
             and ((response := self._bindings.response(conclusion)) is None or response.replan != "never")
         )
+
+    def channels(self) -> Mapping[str, bool]:
+        """What monitors and recoveries may ask of conclusions: whether each stands, by channel."""
+        return {channel: name in self._standing for channel, name in self._channels}
 
     @property
     def faults(self) -> tuple[FaultRecord, ...]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NoReturn
 
+from executive.adoption import Adoptions, Search
 from executive.bindings import MODE, NEXT_PLAN, Bindings, Maintained
 from executive.commands import CommandLink
 from executive.conclusions import Conclusions, FaultRecord
@@ -78,7 +79,7 @@ class Executive:
         self._watchdog = Watchdog()
         self._replanner = Replanner(planner, bindings, self._settings, self._conclusions, journal)
         self._statistics = DispatchStatistics()
-        self._plans: list[AdoptedPlan] = []
+        self._adoptions = Adoptions(self._goals, journal, horizon[1])
         self._execution: Execution | None = None
         self._succession: Succession | None = None
         self._concluded_before: frozenset[str] = frozenset()
@@ -143,7 +144,7 @@ class Executive:
     @property
     def plans(self) -> tuple[AdoptedPlan, ...]:
         """The plans adopted so far, in order."""
-        return tuple(self._plans)
+        return self._adoptions.plans
 
     @property
     def dispatch(self) -> DispatchStatistics:
@@ -199,6 +200,7 @@ class Executive:
         """What this observation means to fault protection, to the plan in execution, and to standby."""
         self._seen[NEXT_PLAN] = "none" if self._succession is None else self._succession.status(self._now)
         self._seen[MODE] = "standby" if self._execution is None else "plan"
+        self._seen |= self._conclusions.channels()
         self._seen |= self._prober.update(self._conclusions.believed(self._seen), self._now)
         violations = self._protection.update(self._conclusions.believed(self._seen), self._now)
         self._telemetry = self._conclusions.believed(self._seen)
@@ -264,10 +266,7 @@ class Executive:
         interlude = self._interlude
         if interlude is None or (ready := interlude.pursue(self._telemetry, self._now)) is None:
             return []
-        assert interlude.requested is not None
-        plan_id = self._adopt(ready, interlude.reason, interlude.requested, interlude.attempts, interlude.charged)
-        for goal_id in ready.withheld:
-            self._goals.left_out(goal_id, f"withheld from {plan_id} after {interlude.failures} failed plannings")
+        plan_id = self._adopt(ready, interlude, joined=False)
         interlude.leave(self._now)
         self._interlude = None
         return self._begin(plan_id, ready, None)
@@ -281,11 +280,7 @@ class Executive:
         if succession is not None and (ready := succession.plan_to_join(self._now)) is not None:
             if self._conclusions.planned_for == self._concluded_before:
                 before = self._execution
-                plan_id = self._adopt(
-                    ready, succession.reason, succession.requested, succession.attempts, succession.charged
-                )
-                for goal_id in ready.withheld:
-                    self._goals.left_out(goal_id, f"withheld from {plan_id} after {succession.failures} failures")
+                plan_id = self._adopt(ready, succession, joined=True)
                 self._succession = None
                 return self._begin(plan_id, ready, before) or self._dispatch() or self._succeed()
             succession.give_up("what has been concluded since was not planned for", self._now)
@@ -322,19 +317,10 @@ class Executive:
         )
         self._succession.pursue(self._now)
 
-    def _adopt(self, ready: Ready, reason: str, requested: int, attempts: int, charged: int) -> str:
-        """Record a plan and what it leaves out; returns its name."""
-        plan_id = f"plan-{len(self._plans) + 1:02d}"
-        statistics = ready.result.statistics
-        self._plans.append(
-            AdoptedPlan(plan_id, ready.plan, reason, requested, self._now, attempts, charged, statistics)
-        )
-        entry = {"plan": plan_id, "handover": self._now, "reason": reason, "tokens": len(ready.plan.tokens)}
-        self._journal.write(self._now, "plan.adopted", entry)
+    def _adopt(self, ready: Ready, search: Search, *, joined: bool) -> str:
+        """Take a plan into force; returns its name."""
         self._unplanned = [goal_id for goal_id in self._unplanned if goal_id not in ready.considered]
-        end = ready.plan.horizon[1]
-        self._goals.left(ready.result.dropped, self._now, end if end < self._horizon[1] else None)
-        return plan_id
+        return self._adoptions.adopt(ready, search, self._now, joined=joined)
 
     def _begin(self, plan_id: str, ready: Ready, before: Execution | None) -> list[Violation]:
         """Execute a plan from now on, from standby or joined to the one `before`."""

@@ -36,6 +36,11 @@ def probe_channel(name: str) -> str:
     return f"{OWN}probe.{name}"
 
 
+def concluded_channel(conclusion: Conclusion) -> str:
+    """Whether a conclusion stands: a channel of the executive's own, true or false."""
+    return f"{OWN}concluded.{conclusion.name}"
+
+
 @dataclass(frozen=True, slots=True)
 class Probe:
     """A question that only a living unit answers, so that silence becomes telemetry: `probe_channel(name)`.
@@ -100,9 +105,8 @@ class Step:
 class Recovery:
     """A way back: `steps` one after another, after the last of which the symptom must be gone `within` seconds.
 
-    Tried up to `attempts` times, as long as all conditions of `when` hold at its start and none of the conclusions
-    `unless` stands. `disturbs`: channels that may change on the way; it is not tried while a running token has a lock
-    on one of them.
+    Tried up to `attempts` times, as long as all conditions of `when` hold at its start. `disturbs`: channels that may
+    change on the way; it is not tried while a running token has a lock on one of them.
     """
 
     name: str
@@ -110,7 +114,6 @@ class Recovery:
     within: int
     attempts: int = 1
     when: tuple[Condition, ...] = ()
-    unless: tuple[str, ...] = ()
     disturbs: tuple[str, ...] = ()
 
 

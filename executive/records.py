@@ -74,7 +74,8 @@ class GoalRecord:
 class AdoptedPlan:
     """A plan that was executed. `attempts`: plannings that it took. `deliberation_charged`: seconds of all of them.
 
-    `dynamically_controllable` is always true: no other plan is executed.
+    `joined`: it took over from the plan before without standby. `dynamically_controllable` is always true: no other
+    plan is executed.
     """
 
     id: str
@@ -85,6 +86,7 @@ class AdoptedPlan:
     attempts: int
     deliberation_charged: int
     statistics: SearchStatistics
+    joined: bool = False
     dynamically_controllable: bool = True
 
 

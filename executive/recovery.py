@@ -106,7 +106,7 @@ class Case:
     def persists(self, telemetry: Telemetry, now: int) -> bool:
         """The symptom is there and nothing is being done about it: the next recovery. False when none is left."""
         while True:
-            self._left = [recovery for recovery in self._left if self._may_be_tried(recovery, telemetry)]
+            self._left = [r for r in self._left if all(condition.holds(telemetry) for condition in r.when)]
             for recovery in self._left:
                 if not self._disturbs(recovery):
                     self._left.remove(recovery)
@@ -149,11 +149,6 @@ class Case:
         if self.stage == "judging":
             return self._judged_at
         return now + 1 if self.stage == "waiting" else None
-
-    def _may_be_tried(self, recovery: Recovery, telemetry: Telemetry) -> bool:
-        if not self._conclusions.names.isdisjoint(recovery.unless):
-            return False
-        return all(condition.holds(telemetry) for condition in recovery.when)
 
     def _disturbs(self, recovery: Recovery) -> bool:
         channels = set(recovery.disturbs)

@@ -90,7 +90,8 @@ class Replanner:
         horizon = (request.handover, request.end)
         told = (*self._settings.facts, *self._conclusions.facts)
         facts = tuple(fact for fact in told if _concerns(fact, horizon))
-        answer = self._ask(Problem(horizon, request.state, facts, (*self._planning_goal(request.end), *asked)), request)
+        goals = (*self._planning_goal(request), *asked)
+        answer = self._ask(Problem(horizon, request.state, facts, goals), request)
         if isinstance(answer, Failed):
             return answer
         result, charged = answer.result, answer.charged
@@ -135,12 +136,16 @@ class Replanner:
             return Failed(f"the planner's answer cannot be written down: {error}", request.now + charged, charged)
         return replace(answer, result=replace(answer.result, statistics=result.statistics))
 
-    def _planning_goal(self, end: int) -> tuple[Goal, ...]:
-        """In a horizon that ends at a waypoint the next one is planned for; that comes before all else."""
-        pattern = self._settings.plan_next
+    def _planning_goal(self, request: Request) -> tuple[Goal, ...]:
+        """In a horizon that ends at a waypoint the next one is planned for; that comes before all else.
+
+        There is to be time for a second try before the waypoint, where the horizon is long enough.
+        """
+        pattern, end = self._settings.plan_next, request.end
         if pattern is None or end not in self._settings.waypoints:
             return ()
-        return (Goal(f"plan-next-{end}", replace(pattern, end=(None, end)), PLANNING_PRIORITY),)
+        spacious = end - request.handover >= 3 * self.budget
+        return (next_horizon_goal(pattern, end, end - self.budget if spacious else end),)
 
     def _relaxed(self, goals: tuple[Goal, ...], failures: int) -> tuple[tuple[Goal, ...], tuple[str, ...]]:
         """The goals to ask for, and those withheld: one level of priority for each failure too many."""
@@ -164,6 +169,11 @@ class Replanner:
         if verdict.network is None:
             return f"the plan is not dynamically controllable: {network.explain(verdict.conflict)}"
         return network, verdict.network
+
+
+def next_horizon_goal(pattern: TokenPattern, waypoint: int, latest: int) -> Goal:
+    """The goal of a plan up to a waypoint that what follows it is planned by `latest` (seconds)."""
+    return Goal(f"plan-next-{waypoint}", replace(pattern, end=(None, latest)), PLANNING_PRIORITY)
 
 
 def _concerns(fact: TokenPattern, horizon: tuple[int, int]) -> bool:

@@ -41,7 +41,7 @@ class Succession:
     ) -> None:
         self.reason = reason
         self.joins_at = joins_at
-        self.requested = now
+        self.requested: int | None = now
         self.attempts = self.charged = self.failures = 0
         self.is_over = False
         self._execution = execution

@@ -110,6 +110,7 @@ class Scenario(_Section):
     deliberation: Seconds = Field(default=685, gt=0)
     expect: ExpectSection = ExpectSection()
     spacecraft: dict[str, Any] = {}
+    waypoints: tuple[Seconds, ...] = ()
     goals: tuple[GoalSection, ...] = ()
     faults: tuple[FaultSection, ...] = ()
 

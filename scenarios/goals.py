@@ -33,7 +33,7 @@ def model_of(scenario: Scenario, where: str) -> ModelManager:
     from scenarios.ds1.domain import build_model
 
     try:
-        return build_model(capability_of(scenario.spacecraft_config(), scenario.horizon))
+        return build_model(capability_of(scenario.spacecraft_config(), scenario.horizon, scenario.deliberation))
     except (PlannerError, ArithmeticError, ValueError) as error:
         raise ScenarioError(f"{where}: spacecraft: no domain model can be made for it: {error}") from error
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from executive.replanner import next_horizon_goal
 from planner.checker import Violation, check
 from planner.constraints.user import registry_with
 from planner.language.nddl.builder import load
 from planner.plan import FlexiblePlan, PlanToken
 from planner.problem import Problem, TokenPattern
 from scenarios.config import Scenario
+from scenarios.ds1.bindings import PLAN_NEXT
 from scenarios.goals import model_of
 
 
@@ -22,10 +24,15 @@ def violations_of(plan: FlexiblePlan, scenario: Scenario) -> tuple[Violation, ..
     starts is known to the plan alone and taken as given.
     """
     claimed = {token.goal for token in plan.tokens}
-    goals = tuple(goal.goal() for goal in scenario.goals)
+    ends = (*scenario.waypoints, scenario.horizon)
+    goals = (
+        *(goal.goal() for goal in scenario.goals),
+        *(next_horizon_goal(PLAN_NEXT, waypoint, waypoint) for waypoint in scenario.waypoints),
+    )
     values = [token for token in plan.tokens if token.allowed is None]
     state = tuple(_stated(token) for token in values if token.master is None and token.goal is None)
-    problem = Problem((plan.horizon[0], scenario.horizon), state, goals=goals)
+    end = plan.horizon[1] if plan.horizon[1] in ends else scenario.horizon
+    problem = Problem((plan.horizon[0], end), state, goals=goals)
     dropped = [goal.id for goal in goals if goal.id not in claimed]
     return check(plan, model_of(scenario, scenario.name), problem, dropped)
 

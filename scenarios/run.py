@@ -23,7 +23,7 @@ from planner.search.outcome import Limits
 from planner.temporal.controllability import check
 from scenarios.bridge import SpacecraftPlant
 from scenarios.config import FaultSection, Scenario
-from scenarios.ds1.bindings import BINDINGS
+from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
 from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
 from scenarios.flight_rules import RuleWatch
@@ -78,7 +78,7 @@ class Flight:
         config = scenario.spacecraft_config()
         self.spacecraft = Spacecraft(config, options.seed)
         self.plant = SpacecraftPlant(self.spacecraft, BINDINGS.channels())
-        self.model = build_model(capability_of(config, scenario.horizon))
+        self.model = build_model(capability_of(config, scenario.horizon, scenario.deliberation))
         self.rules = RuleWatch()
         self.plans: tuple[AdoptedPlan, ...] = ()
         self.pending_faults = sorted(options.faults, key=lambda fault: fault.at)
@@ -156,7 +156,13 @@ class RunLog:
         self.observer: Observer | Unobserved = Unobserved(flight.spacecraft)
         if folder is not None:
             self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
-        settings = Settings(scenario=scenario.name, seed=options.seed, budget=scenario.deliberation)
+        settings = Settings(
+            scenario=scenario.name,
+            seed=options.seed,
+            budget=scenario.deliberation,
+            waypoints=scenario.waypoints,
+            plan_next=PLAN_NEXT,
+        )
         think: Planner = flight.think
         self.continuation = Continuation(folder / JOURNAL) if folder is not None and resume else None
         if self.continuation is not None:

@@ -36,7 +36,7 @@ def summarize(
         "expected": scenario.expect.faulted if faults else scenario.expect.nominal,
         "goals": [{"id": g.id, "status": g.status, "time": g.time, "reason": g.reason} for g in executive.goals],
         "plans": [_plan(adopted, reasons) for adopted in plans],
-        "replans": max(0, len(plans) - 1),
+        "replans": sum(not adopted.joined for adopted in plans[1:]),
         "faults": _faults(faults, executive.faults),
         "dispatch": {
             "timepoints": dispatch.timepoints,

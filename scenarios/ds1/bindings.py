@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from executive.bindings import Activity, Bindings, Finish, Maintained, Standby
+from dataclasses import replace
+
+from executive.bindings import Activity, Bindings, Finish, Maintained, Standby, plan_next
 from executive.conditions import Condition, Telemetry
 from executive.sends import Confirmation, Send
 from planner.problem import TokenPattern
@@ -19,6 +21,8 @@ from scenarios.ds1.protection import (
     RESPONSES,
 )
 
+PLAN_NEXT = TokenPattern("Planner.planNext")
+"""The token whose execution is asking for the plan of the next horizon; as late as it may be, it knows most."""
 FOREVER_S = 10**9
 """Longer than any horizon: what lasts this long is never planned to end."""
 
@@ -93,6 +97,7 @@ ACTIVITIES = (
             _is("micas.switch", "off"), within=10, retries=2, conclusion=CAMERA_STUCK_ON, unanswered=CAMERA_HUNG
         ),
     ),
+    replace(plan_next("Planner.planNext"), starts="latest"),
     Activity(
         "Radio.downlink",
         start=(Send("radio.power", {"on": True}), Send("radio.downlink", {"on": True})),

@@ -20,8 +20,11 @@ POWER_RESERVE_W = 20.0
 """Kept back from what the arrays give, for pointing that is never perfect."""
 
 
-def capability_of(config: SpacecraftConfig, horizon_s: int = 0) -> Capability:
-    """What a spacecraft of this configuration can do at any time up to the horizon, as the sky moves around it."""
+def capability_of(config: SpacecraftConfig, horizon_s: int = 0, deliberation_s: int = 1) -> Capability:
+    """What a spacecraft of this configuration can do at any time up to the horizon, as the sky moves around it.
+
+    `deliberation_s`: the longest that planning the next horizon takes.
+    """
     sky = Environment(config)
     turns = {
         (a, b): (bounds.lower_s, bounds.upper_s + OBSERVED_LATE_S)
@@ -44,6 +47,7 @@ def capability_of(config: SpacecraftConfig, horizon_s: int = 0) -> Capability:
         camera_power=max(config.camera_warming_W, config.camera_on_W),
         exposure=_observed((EXPOSURE_S + read_out[0], EXPOSURE_S + read_out[1])),
         downlink_power=config.radio_downlinking_W,
+        planning=(1, deliberation_s + OBSERVED_LATE_S),
     )
 
 

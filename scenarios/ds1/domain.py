@@ -20,7 +20,8 @@ class Capability:
     """What the planner may count on. Durations are (shortest, longest) in seconds, powers in watts.
 
     `turns`: by (from, to) target, both ways and also for a target and itself. `throttle`: power by engine level, in the
-    order in which a planner should prefer the levels. `power`: what the arrays give beyond the base load.
+    order in which a planner should prefer the levels. `power`: what the arrays give beyond the base load. `planning`:
+    how long planning the next horizon takes.
     """
 
     targets: Sequence[str]
@@ -34,6 +35,7 @@ class Capability:
     camera_power: float
     exposure: tuple[int, int]
     downlink_power: float
+    planning: tuple[int, int]
 
 
 def build_model(capability: Capability) -> ModelManager:
@@ -65,6 +67,7 @@ def _durations(capability: Capability) -> Iterator[str]:
         "ENGINE_STOP": capability.engine_stop,
         "CAMERA_WARMUP": capability.camera_warmup,
         "EXPOSURE": capability.exposure,
+        "PLANNING": capability.planning,
     }
     for name, (shortest, longest) in spans.items():
         yield f"int {name}_MIN = {shortest}, {name}_MAX = {longest};"

@@ -7,10 +7,12 @@ engine that does not confirm its commands gets no more of them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from executive.bindings import MODE
 from executive.conditions import Condition
 from executive.port import TelemetryValue
-from executive.protection import Monitor, Probe, Recovery, Response, Step, probe_channel
+from executive.protection import Monitor, Probe, Recovery, Response, Step, concluded_channel, probe_channel
 from executive.sends import Conclusion, Confirmation, Send
 
 CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
@@ -26,6 +28,7 @@ NEB1_STATUS_FALSE = Conclusion("neb1.status stuck_off", "the status sensor of bu
 NEB1_OFF = Conclusion("neb1 off", "bus NEB1 has no power")
 PASM_STATUS_FALSE = Conclusion("pasm.status stuck_off", "the status of switch PASM says off, and what it feeds answers")
 X_THRUSTER_CLOSED = Conclusion("rcs.x_thruster stuck_closed", "a valve of the x-thrusters stays closed")
+UNSTEADY = Conclusion("rcs unsteady", "neither mode of the thrusters holds the attitude")
 Z_THRUSTER_CLOSED = Conclusion("rcs.z_thruster stuck_closed", "a valve of the z-thrusters stays closed")
 
 # The LPE's terminal hangs on PASM, which standby switches on. What the flown executive waited before its diagnosis was
@@ -53,20 +56,23 @@ def _reset(terminal: str) -> Step:
     return Step((Send("terminal.reset", {"name": terminal}),))
 
 
-def _lost_steering(mode: str, conclusion: Conclusion) -> tuple[Monitor, Monitor]:
-    """The attitude drifts off, or a slew runs away, while the thrusters steer in that mode."""
+def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[Monitor]:
+    """The attitude drifts off, or a slew runs away, while the thrusters steer in that mode.
+
+    It speaks for a thruster that the mode depends on; once the other mode has been found wanting, against both.
+    """
     steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
     drifting = (
         _is("acs.state", "slewing"),
         Condition("acs.error_rad", ">", DRIFT_ERROR_RAD),
         Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
     )
-    settled = (_is("acs.state", "settled"),)
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
-    return (
-        Monitor(f"drift under {mode}", (*steering, *drifting), DRIFT_S, conclusion, until=settled),
-        Monitor(f"over-rate under {mode}", (*steering, *too_fast), OVER_RATE_S, conclusion, until=settled),
-    )
+    settled = (_is("acs.state", "settled"),)
+    for conclusion, known, words in ((first, False, ""), (UNSTEADY, True, " too")):
+        when = (*steering, _is(concluded_channel(other), known))
+        yield Monitor(f"drift under {mode}{words}", (*when, *drifting), DRIFT_S, conclusion, until=settled)
+        yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
 
 
 MONITORS = (
@@ -89,28 +95,24 @@ MONITORS = (
         needed=1,
     ),
     Monitor("pasm-status", (_is("pasm.switch", "off"), _is(LPE, "answers")), 6, PASM_STATUS_FALSE),
-    *_lost_steering("x_for_y", X_THRUSTER_CLOSED),
-    *_lost_steering("z_for_y", Z_THRUSTER_CLOSED),
+    *_lost_steering("x_for_y", X_THRUSTER_CLOSED, Z_THRUSTER_CLOSED),
+    *_lost_steering("z_for_y", Z_THRUSTER_CLOSED, X_THRUSTER_CLOSED),
     Monitor("thrust-in-standby", (_is(MODE, "standby"), _is("ips.state", "thrusting")), 30, ENGINE_RUNS_ON),
 )
 
 
-def _steer_by(name: str, send: Send, unless: tuple[str, ...] = ()) -> tuple[Recovery, Recovery]:
+def _steer_by(name: str, send: Send) -> tuple[Recovery, Recovery]:
     """Another way to steer, proven by the end of the longest slew; thrust is broken off meanwhile."""
     thrusting = _is("ips.state", "thrusting")
     idle = Step((Send("ips.idle"),), Confirmation((Condition("ips.state", "!=", "thrusting"),), within=5))
     return (
-        Recovery(f"thrust off, {name}", (idle, Step((send,))), STEADY_WITHIN_S, when=(thrusting,), unless=unless),
-        Recovery(name, (Step((send,)),), STEADY_WITHIN_S, unless=unless),
+        Recovery(f"thrust off, {name}", (idle, Step((send,))), STEADY_WITHIN_S, when=(thrusting,)),
+        Recovery(name, (Step((send,)),), STEADY_WITHIN_S),
     )
 
 
-_X_FOR_Y = _steer_by(
-    "steer by the x-thrusters about Y", Send("rcs.mode", {"mode": "x_for_y"}), (X_THRUSTER_CLOSED.name,)
-)
-_Z_FOR_Y = _steer_by(
-    "steer by the z-thrusters about Y", Send("rcs.mode", {"mode": "z_for_y"}), (Z_THRUSTER_CLOSED.name,)
-)
+_X_FOR_Y = _steer_by("steer by the x-thrusters about Y", Send("rcs.mode", {"mode": "x_for_y"}))
+_Z_FOR_Y = _steer_by("steer by the z-thrusters about Y", Send("rcs.mode", {"mode": "z_for_y"}))
 _WHEELS = _steer_by("steer by the wheels", Send("acs.actuators", {"name": "wheels"}))
 _RELIGHT = Step((Send("ips.thrust", {"level": "$level"}),), Confirmation((_is("ips.state", "thrusting"),), within=10))
 _START = Step((Send("ips.start"),), Confirmation((_is("ips.state", "ready"),), within=RESTART_WITHIN_S))
@@ -132,15 +134,16 @@ RESPONSES = (
         (*_Z_FOR_Y, *_WHEELS),
         lasts=True,
         restores=("pointing", "thrust"),
-        masks=(Z_THRUSTER_CLOSED.name, ENGINE_TRIPPED.name),
+        masks=(Z_THRUSTER_CLOSED.name, UNSTEADY.name, ENGINE_TRIPPED.name),
     ),
     Response(
         Z_THRUSTER_CLOSED.name,
         (*_X_FOR_Y, *_WHEELS),
         lasts=True,
         restores=("pointing", "thrust"),
-        masks=(X_THRUSTER_CLOSED.name, ENGINE_TRIPPED.name),
+        masks=(X_THRUSTER_CLOSED.name, UNSTEADY.name, ENGINE_TRIPPED.name),
     ),
+    Response(UNSTEADY.name, _WHEELS, lasts=True, restores=("pointing", "thrust"), masks=(ENGINE_TRIPPED.name,)),
     Response(CAMERA_HUNG.name, (Recovery("reset the terminal", (_reset("micas"),), within=5),)),
     Response(RADIO_HUNG.name, (Recovery("reset the terminal", (_reset("radio"),), within=5),)),
     # Where the engine has done what it was told, it is the answer that was lost: nothing to reset, nothing to rely on.

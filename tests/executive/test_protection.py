@@ -12,7 +12,7 @@ from executive.bindings import MODE, Activity, Bindings, Maintained, Standby
 from executive.conditions import Condition, Telemetry
 from executive.monitor import Diagnoser, Finding
 from executive.port import TelemetryValue
-from executive.protection import Monitor, Probe, Recovery, Response, Step, probe_channel
+from executive.protection import Monitor, Probe, Recovery, Response, Step, concluded_channel, probe_channel
 from executive.records import Settings
 from executive.sends import Conclusion, Confirmation, Send
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
@@ -269,9 +269,9 @@ def test_steps_go_one_after_another_and_only_when_proven() -> None:
 
 
 def test_a_recovery_has_its_time_and_its_occasions() -> None:
-    """`when` and `unless` leave recoveries out; `limit` counts over the run; then comes what is concluded otherwise."""
+    """`when` leaves recoveries out, also by what is concluded; `limit` counts over the run; then comes `otherwise`."""
     never = replace(AGAIN, name="never", when=(Condition("amps", ">", 5.0),))
-    not_now = replace(AGAIN, name="not now", unless=(WRONG.name,))
+    not_now = replace(AGAIN, name="not now", when=(Condition(concluded_channel(WRONG), "!=", True),))
     response = Response(TRIPPED.name, (never, not_now, AGAIN), limit=1, otherwise=LOST)
     trips = {12: {"bus": "off"}, 18: {"pump": "off"}, 24: {"pump": "off"}}
     run = pump([response, IGNORED], [SENSOR], trips)

@@ -27,7 +27,18 @@ def ds1() -> tuple[ModelManager, Problem, FlexiblePlan]:
     """Two images' worth of asteroids, a thrust and a downlink on the project's own domain."""
     turns = {(a, b): (300, 900) for a in TARGETS for b in TARGETS}
     capability = Capability(
-        TARGETS, turns, {90: 2100, 48: 1300, 6: 500}, 2100, (600, 1202), (60, 242), 200, (600, 902), 150, (50, 72), 60
+        TARGETS,
+        turns,
+        {90: 2100, 48: 1300, 6: 500},
+        2100,
+        (600, 1202),
+        (60, 242),
+        200,
+        (600, 902),
+        150,
+        (50, 72),
+        60,
+        (1, 60),
     )
     model = build_model(capability)
     goals = (

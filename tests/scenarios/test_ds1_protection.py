@@ -1,0 +1,194 @@
+"""Deep Space 1's fault protection, flown: the cases of May 1999 and what else it is for. Nothing is recorded."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from executive.executive import Executive
+from executive.journal import Journal
+from executive.records import Settings
+from scenarios.config import FaultSection, parse
+from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
+from scenarios.ds1.protection import (
+    ENGINE_FAILED,
+    ENGINE_TRIPPED,
+    LPE_DEAD,
+    LPE_HUNG,
+    NEB1_STATUS_FALSE,
+    UNSTEADY,
+    X_THRUSTER_CLOSED,
+)
+from scenarios.flight_rules import RuleViolation
+from scenarios.run import Flight, RunOptions
+
+SHORT = """
+name = "short"
+summary = "one thrust, and one downlink after it"
+horizon = "3h"
+deliberation = "2m"
+
+[[goals]]
+id = "thrust"
+predicate = "Engine.thrust"
+parameters = { heading = "thrust_a", level = 48 }
+window = ["10m", "2h30m"]
+lasting = "40m"
+priority = 2
+
+[[goals]]
+id = "downlink"
+predicate = "Radio.downlink"
+window = ["2h10m", "3h"]
+lasting = "5m"
+priority = 1
+"""
+ON_THRUSTERS = SHORT + '[spacecraft]\ninitial_actuators = "thrusters"\n'
+
+
+@dataclass(frozen=True)
+class Story:
+    """What a run left behind."""
+
+    executive: Executive
+    entries: list[dict[str, Any]]
+    telemetry: dict[str, Any]
+    broken_rules: tuple[RuleViolation, ...]
+
+    def sent(self, prefix: str) -> list[tuple[int, str]]:
+        """The commands on the bus whose names begin so, with their seconds."""
+        entries = [e for e in self.entries if e["event"] == "command.sent" and e["name"].startswith(prefix)]
+        return [(e["t"], e["name"]) for e in entries]
+
+    def of(self, event: str) -> list[dict[str, Any]]:
+        return [e for e in self.entries if e["event"] == event]
+
+    @property
+    def goals(self) -> dict[str, str]:
+        return {goal.id: goal.status for goal in self.executive.goals}
+
+    @property
+    def diagnoses(self) -> list[tuple[int, str | None, tuple[str, ...], bool]]:
+        """Detected when, as what, answered by what, and whether it was recovered from."""
+        return [(f.detected, f.diagnosis, f.responses, f.recovered is not None) for f in self.executive.faults]
+
+
+def fly(text: str, **faults: int) -> Story:
+    """Fly a scenario with these faults (underscores for dashes) from these seconds on."""
+    scenario = parse(text, "short.toml")
+    sections = tuple(FaultSection(name=name.replace("_", "-"), at=at) for name, at in faults.items())
+    flight = Flight(scenario, RunOptions(seed=3, faults=sections))
+    stream = io.StringIO()
+    settings = Settings(budget=scenario.deliberation, waypoints=scenario.waypoints, plan_next=PLAN_NEXT)
+    executive = Executive(
+        flight.plant,
+        BINDINGS,
+        flight.think,
+        [goal.goal() for goal in scenario.goals],
+        (0, scenario.horizon),
+        Journal(stream),
+        settings,
+    )
+    for second in range(scenario.horizon + 1):
+        executive.step()
+        flight.rules.look(second, flight.plant.telemetry, flight.plant.on_bus)
+    executive.finish()
+    entries = [json.loads(line) for line in stream.getvalue().splitlines()]
+    return Story(executive, entries, dict(flight.plant.telemetry), flight.rules.violations())
+
+
+def completed_in_one_plan(story: Story) -> None:
+    assert story.executive.outcome == "completed"
+    assert len(story.executive.plans) == 1
+    assert story.executive.dispatch.violations == {}
+    assert story.broken_rules == ()
+
+
+def test_a_hung_terminal_is_reset_and_a_lying_sensor_is_not_believed() -> None:
+    """21 May 1999, both at once: 42 s of silence, then the diagnosis, one reset, and no other plan."""
+    story = fly(SHORT, lpe_terminal_hung=4000, neb1_status_false=4010)
+    by_name = {diagnosis: rest for seen, diagnosis, *rest in story.diagnoses}
+    seen_at = {diagnosis: seen for seen, diagnosis, *_ in story.diagnoses}
+    assert by_name[NEB1_STATUS_FALSE.name] == [("veto neb1.status, believe on",), False]
+    assert seen_at[NEB1_STATUS_FALSE.name] == 4016
+    assert by_name[LPE_HUNG.name] == [("reset the terminal",), True]
+    seen = seen_at[LPE_HUNG.name]
+    asked = max(t for t, _ in story.sent("lpe.status") if t <= seen - 42)
+    assert seen == asked + 42
+    assert story.sent("terminal.reset") == [(seen, "terminal.reset")]
+    assert story.executive.conclusions == {NEB1_STATUS_FALSE.name}
+    completed_in_one_plan(story)
+
+
+def test_a_dead_terminal_is_reset_twice_and_then_left_alone() -> None:
+    story = fly(SHORT, lpe_terminal_dead=4000)
+    assert len(story.sent("terminal.reset")) == 2
+    assert story.executive.conclusions == {LPE_DEAD.name}
+    (concluded,) = [e["t"] for e in story.of("fault.detected") if e["diagnosis"] == LPE_DEAD.name]
+    assert [t for t, _ in story.sent("lpe.") if t > concluded] == []
+    completed_in_one_plan(story)
+
+
+def test_a_thruster_that_stays_closed_is_worked_around_by_the_other_mode() -> None:
+    """During thrust: it is broken off for as long as steering is lost, lit again, and the time is made up for."""
+    story = fly(ON_THRUSTERS, thruster_bx_closed=2000)
+    first, second, *_ = story.diagnoses
+    assert first[1:] == (X_THRUSTER_CLOSED.name, ("thrust off, steer by the z-thrusters about Y",), True)
+    assert second[1:] == (ENGINE_TRIPPED.name, ("light it again",), True)
+    assert [name for _, name in story.sent("rcs.")] == ["rcs.mode"]
+    assert story.telemetry["rcs.mode"] == "z_for_y"
+    assert story.telemetry["ips.thrust_seconds"] >= 2400
+    assert X_THRUSTER_CLOSED.name in story.executive.conclusions
+    completed_in_one_plan(story)
+
+
+def test_where_neither_mode_of_the_thrusters_holds_the_wheels_do() -> None:
+    """With an x-thruster gone the other mode is short of torque about Z, and the long slew to the Earth shows it."""
+    story = fly(ON_THRUSTERS, thruster_bx_closed=2000)
+    assert story.diagnoses[-1][1:] == (UNSTEADY.name, ("steer by the wheels",), True)
+    assert story.telemetry["acs.actuators"] == "wheels"
+
+
+def test_an_engine_that_breaks_off_is_lit_again_and_the_goal_has_its_time() -> None:
+    story = fly(SHORT, ips_recycle=2400)
+    (fault,) = story.diagnoses
+    assert fault[1:] == (ENGINE_TRIPPED.name, ("light it again",), True)
+    assert story.telemetry["ips.thrust_seconds"] >= 2400
+    completed_in_one_plan(story)
+
+
+def test_an_engine_that_does_not_confirm_gets_no_more_commands() -> None:
+    """The start did happen, its confirmation was lost: the thrust is dropped for that reason, the rest is done."""
+    story = fly(SHORT, ips_confirmation_lost=60)
+    (fault,) = story.diagnoses
+    assert fault[1] == ENGINE_FAILED.name
+    assert [name for _, name in story.sent("ips.")] == ["ips.start"]
+    assert [e["name"] for e in story.of("command.withheld")] == ["ips.stop"]
+    assert story.telemetry["ips.state"] == "ready"
+    assert story.goals == {"thrust": "dropped", "downlink": "achieved"}
+    assert story.executive.outcome == "degraded"
+    assert any(token.predicate == "Engine.failed" for token in story.executive.plans[-1].plan.tokens)
+    assert story.broken_rules == ()
+
+
+def test_a_hung_engine_terminal_is_reset_and_the_command_sent_again() -> None:
+    story = fly(SHORT, ips_terminal_hung=60)
+    assert [name for _, name in story.sent("ips.")][:2] == ["ips.start", "ips.start"]
+    assert [name for _, name in story.sent("terminal.")] == ["terminal.reset"]
+    completed_in_one_plan(story)
+
+
+def test_two_horizons_join_without_a_gap() -> None:
+    """The plan says when the next is asked for; at the waypoint it takes over what is running, without standby."""
+    later = SHORT.replace('deliberation = "2m"', 'deliberation = "2m"\nwaypoints = ["1h50m"]')
+    later = later.replace('window = ["10m", "2h30m"]', 'window = ["10m", "1h50m"]')
+    story = fly(later, lpe_terminal_hung=6500)
+    first, second = story.executive.plans
+    assert (first.plan.horizon[1], second.handover, second.plan.horizon) == (6600, 6600, (6600, 10800))
+    assert second.joined
+    assert second.requested == 6600 - 2 * 120 - 2
+    assert len(story.of("standby.entered")) == 1
+    assert story.goals == {"thrust": "achieved", "downlink": "achieved"}
+    assert any("continues" in e for e in story.of("token.started") if e["t"] == 6600)
