@@ -99,6 +99,14 @@ class ExpectSection(_Section):
     faulted: Literal["completed", "degraded", "standby"] = "degraded"
 
 
+class ExecutiveSection(_Section):
+    """The executive's own software. `hang_bug`: with the missed signal of 18 May 1999 between it and the bus, or with
+    the same two tasks mended; without it nothing is between them.
+    """
+
+    hang_bug: bool | None = None
+
+
 class Scenario(_Section):
     """A scenario file. `horizon`: its length. `deliberation`: what a plan costs in simulation time."""
 
@@ -109,6 +117,7 @@ class Scenario(_Section):
     horizon: Seconds = Field(gt=0)
     deliberation: Seconds = Field(default=685, gt=0)
     expect: ExpectSection = ExpectSection()
+    executive: ExecutiveSection = ExecutiveSection()
     spacecraft: dict[str, Any] = {}
     waypoints: tuple[Seconds, ...] = ()
     goals: tuple[GoalSection, ...] = ()

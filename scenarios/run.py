@@ -14,8 +14,10 @@ from typing import Any
 from executive.executive import Executive
 from executive.journal import Journal
 from executive.network import PlanNetwork
+from executive.port import Plant
 from executive.records import AdoptedPlan, Settings
 from executive.resume import Continuation, planner_of
+from executive.sequencer import Sequencer
 from planner.plan import FlexiblePlan
 from planner.planning import plan
 from planner.problem import Planner, PlanningResult, Problem
@@ -26,6 +28,7 @@ from scenarios.config import FaultSection, Scenario
 from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
 from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
+from scenarios.ds1.protection import ENDING_COMMANDS
 from scenarios.flight_rules import RuleWatch
 from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, new_stream
 from scenarios.observer import Observer, Unobserved
@@ -78,6 +81,9 @@ class Flight:
         config = scenario.spacecraft_config()
         self.spacecraft = Spacecraft(config, options.seed)
         self.plant = SpacecraftPlant(self.spacecraft, BINDINGS.channels())
+        self.port: Plant = self.plant
+        if (hang_bug := scenario.executive.hang_bug) is not None:
+            self.port = Sequencer(self.plant, options.seed, hang_bug, ENDING_COMMANDS)
         self.model = build_model(capability_of(config, scenario.horizon, scenario.deliberation))
         self.rules = RuleWatch()
         self.plans: tuple[AdoptedPlan, ...] = ()
@@ -173,7 +179,7 @@ class RunLog:
         self.journal = Journal(self.stream)
         goals = [goal.goal() for goal in scenario.goals]
         horizon = (0, scenario.horizon)
-        self.executive = Executive(flight.plant, BINDINGS, think, goals, horizon, self.journal, settings)
+        self.executive = Executive(flight.port, BINDINGS, think, goals, horizon, self.journal, settings)
 
     def overhear(self, entry: dict[str, Any]) -> None:
         """What the journal says, told to the recording; a plan is saved when it is adopted."""

@@ -14,13 +14,14 @@ from executive.conditions import Condition
 from executive.port import TelemetryValue
 from executive.protection import Monitor, Probe, Recovery, Response, Step, concluded_channel, probe_channel
 from executive.sends import Conclusion, Confirmation, Send
+from executive.sequencer import RESTART
 
 CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
 CAMERA_HUNG = Conclusion("micas.terminal hung", "the camera's terminal does not answer")
 RADIO_HUNG = Conclusion("radio.terminal hung", "the radio's terminal does not answer")
 LPE_HUNG = Conclusion("lpe.terminal hung", "the terminal of the LPE does not answer")
 LPE_DEAD = Conclusion("lpe.terminal dead", "the terminal of the LPE does not answer, and resets do not help")
-ENGINE_HUNG = Conclusion("ips.terminal hung", "the ion engine's terminal does not answer")
+ENGINE_HUNG = Conclusion("ips.terminal hung", "commands to the ion engine do not get through")
 ENGINE_TRIPPED = Conclusion("ips tripped", "the ion engine broke off thrusting by itself")
 ENGINE_FAILED = Conclusion("ips failed", "the ion engine is not to be relied on")
 ENGINE_RUNS_ON = Conclusion("ips runs on", "the ion engine thrusts without a plan")
@@ -33,6 +34,9 @@ Z_THRUSTER_CLOSED = Conclusion("rcs.z_thruster stuck_closed", "a valve of the z-
 
 # The LPE's terminal hangs on PASM, which standby switches on. What the flown executive waited before its diagnosis was
 # 42 s: a probe's 6 and these.
+ENDING_COMMANDS = ("ips.stop",)
+"""The commands at which the flown executive could hang (18 May 1999), where a scenario wants it to."""
+
 LPE_PROBE = Probe("lpe", Send("lpe.status"), every=300, within=6)
 LPE_SILENT_S = 36
 LPE = probe_channel("lpe")
@@ -117,6 +121,7 @@ _WHEELS = _steer_by("steer by the wheels", Send("acs.actuators", {"name": "wheel
 _RELIGHT = Step((Send("ips.thrust", {"level": "$level"}),), Confirmation((_is("ips.state", "thrusting"),), within=10))
 _START = Step((Send("ips.start"),), Confirmation((_is("ips.state", "ready"),), within=RESTART_WITHIN_S))
 _STOP = Step((Send("ips.stop"),))
+_UNMOVED = (Condition("ips.state", "!=", "starting"),)
 
 RESPONSES = (
     Response(
@@ -149,7 +154,10 @@ RESPONSES = (
     # Where the engine has done what it was told, it is the answer that was lost: nothing to reset, nothing to rely on.
     Response(
         ENGINE_HUNG.name,
-        (Recovery("reset the terminal", (_reset("ips"),), within=5, when=(Condition("ips.state", "!=", "starting"),)),),
+        (
+            Recovery("reset the terminal", (_reset("ips"),), within=5, when=_UNMOVED),
+            Recovery("restart the command sequencer", (Step((Send(RESTART),)),), within=5, when=_UNMOVED),
+        ),
         otherwise=ENGINE_FAILED,
     ),
     Response(

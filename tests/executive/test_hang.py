@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,51 +22,25 @@ from executive.port import Acknowledgement, Command, Observation, TelemetryValue
 from executive.records import DispatchStatistics, Settings
 from executive.recovery import FaultProtection
 from executive.sends import Confirmation, Send
+from executive.sequencer import RESTART, Sequencer, Tasks, exchange
 from executive.watchdog import Watchdog
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
 from planner.temporal.controllability import DispatchableNetwork, check
-from tests.executive.scripted import AT_START, Draft, Run, ScriptedPlant, bindings, fly, planner, reactions, turn
+from tests.executive.scripted import (
+    AT_START,
+    Draft,
+    Reaction,
+    Run,
+    ScriptedPlant,
+    bindings,
+    fly,
+    planner,
+    reactions,
+    turn,
+)
 
-# -- the race, as a model of two tasks and two events ------------------------------------------------------------------
-#
-# Each task compares the count that it saw last with the event's count; when they are equal it waits for the event. In
-# the faulty program the comparison is made before the lock is taken, and a signal that comes in between is missed.
-
-
-@dataclass(frozen=True)
-class Tasks:
-    """Where the two tasks are. `at`: the next statement of each. `counts`: of the two events, modulo 4."""
-
-    at: tuple[str, str] = ("compare", "signal")
-    seen: tuple[int, int] = (0, 0)
-    counts: tuple[int, int] = (0, 0)
-
-    def next(self, task: int, faulty: bool) -> Tasks | None:
-        """One atomic statement of a task; None when it waits. Each awaits its own event and signals the other's."""
-        match self.at[task]:
-            case "compare":
-                waits = self.seen[task] == self.counts[task]
-                if waits and not faulty:
-                    return self._to(task, "asleep")  # comparing and going to sleep is one step under the lock
-                return self._to(task, "wait" if waits else "note")
-            case "wait":
-                return self._to(task, "asleep")
-            case "note":
-                noted = replace(self, seen=_with(self.seen, task, self.counts[task]))
-                return noted._to(task, "signal")
-            case "signal":
-                other = 1 - task
-                told = replace(self, counts=_with(self.counts, other, (self.counts[other] + 1) % 4))
-                woken = told._to(other, "note") if self.at[other] == "asleep" else told
-                return woken._to(task, "compare")
-        return None
-
-    def _to(self, task: int, statement: str) -> Tasks:
-        return replace(self, at=(statement, self.at[1]) if task == 0 else (self.at[0], statement))
-
-
-def _with(pair: tuple[int, int], place: int, value: int) -> tuple[int, int]:
-    return (value, pair[1]) if place == 0 else (pair[0], value)
+# -- the race ----------------------------------------------------------------------------------------------------------
+# All interleavings of `executive.sequencer.Tasks`.
 
 
 def deadlocks(faulty: bool) -> tuple[int, int]:
@@ -94,6 +68,12 @@ def test_compared_under_the_lock_no_signal_is_missed() -> None:
     states, stuck = deadlocks(faulty=False)
     assert states > 20
     assert stuck == 0
+
+
+def test_what_is_mended_gets_through_every_order_of_events() -> None:
+    assert all(exchange(random.Random(seed), 30, faulty=False) for seed in range(1000))
+    hanging = sum(not exchange(random.Random(seed), 30, faulty=True) for seed in range(200))
+    assert hanging > 20
 
 
 # -- an engine whose software has that race ----------------------------------------------------------------------------
@@ -197,6 +177,30 @@ def test_with_the_fault_the_activity_that_never_ends_is_caught_at_its_deadline()
 
 def test_without_the_fault_nothing_ever_hangs() -> None:
     assert not list(hung(SEEDS, faulty=False))
+
+
+# -- a sequencer with that race between the executive and the plant ----------------------------------------------------
+
+
+def sequenced(faulty: bool) -> tuple[Sequencer, ScriptedPlant]:
+    plant = ScriptedPlant(AT_START, {"end": [Reaction()], "look": [Reaction()]})
+    plant.advance(0)
+    return Sequencer(plant, 1, faulty, ("end",)), plant
+
+
+def test_a_hung_sequencer_passes_nothing_on_until_it_is_restarted() -> None:
+    sequencer, plant = sequenced(faulty=True)
+    for number, name in enumerate(("look", "end", "look", "end", RESTART, "end", "look"), 1):
+        sequencer.send(Command(number, name, {}))
+    assert [command.id for command in plant.sent] == [1, 6, 7]
+    assert [a.command_id for a in sequencer.advance(1).acknowledgements] == [5, 1, 6, 7]
+
+
+def test_a_mended_sequencer_passes_everything_on() -> None:
+    sequencer, plant = sequenced(faulty=False)
+    for number in range(1, 6):
+        sequencer.send(Command(number, "end", {}))
+    assert [command.id for command in plant.sent] == [1, 2, 3, 4, 5]
 
 
 # -- the executive itself ----------------------------------------------------------------------------------------------

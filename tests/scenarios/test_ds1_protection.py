@@ -83,7 +83,7 @@ def fly(text: str, **faults: int) -> Story:
     stream = io.StringIO()
     settings = Settings(budget=scenario.deliberation, waypoints=scenario.waypoints, plan_next=PLAN_NEXT)
     executive = Executive(
-        flight.plant,
+        flight.port,
         BINDINGS,
         flight.think,
         [goal.goal() for goal in scenario.goals],
@@ -178,6 +178,21 @@ def test_a_hung_engine_terminal_is_reset_and_the_command_sent_again() -> None:
     assert [name for _, name in story.sent("ips.")][:2] == ["ips.start", "ips.start"]
     assert [name for _, name in story.sent("terminal.")] == ["terminal.reset"]
     completed_in_one_plan(story)
+
+
+def test_the_hang_of_18_may_1999() -> None:
+    """With the missed signal the engine's stop never goes out: seen at its deadline, and the sequencer is restarted."""
+    story = fly(SHORT + "[executive]\nhang_bug = true\n")
+    (fault,) = story.diagnoses
+    assert fault[2] == ("reset the terminal", "restart the command sequencer")
+    assert fault[3]
+    (stop, again) = story.sent("ips.stop")
+    assert fault[0] == stop[0] + 5
+    assert again[0] == stop[0] + 11
+    completed_in_one_plan(story)
+    mended = fly(SHORT + "[executive]\nhang_bug = false\n")
+    assert mended.diagnoses == []
+    completed_in_one_plan(mended)
 
 
 def test_two_horizons_join_without_a_gap() -> None:
