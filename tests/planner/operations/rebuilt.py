@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from planner.constraints.network import Inconsistency
 from planner.database import PlanDatabase
 from planner.operations import Codesignation, Insertion, Restriction
-from planner.search.decisions import Activate, Assign, Codesignate, Insert
+from planner.search.decisions import Activate, Assign, Codesignate
 from planner.tokens.token import TokenState
 
 
@@ -92,5 +92,8 @@ class Rebuilt:
             return True
         line = self.lines[statement.object, statement.attribute]
         before = line[: line.index(record.number)]
-        Insert(token, thing, sum(n in self.applied for n in before)).apply(self.database)
+        # Not the decision of the search, which besides keeps neighbours apart by what it knows of the model.
+        self.database.network.restrict(token.object, tokens.domain_of_object(thing), record.number)
+        tokens.insert(token, sum(n in self.applied for n in before), record.number)
+        self.database.network.propagate()
         return True
