@@ -7,6 +7,7 @@ from planner.database import PlanDatabase
 from planner.domains import Domain, Interval
 from planner.model.classes import ModelObject
 from planner.plan import (
+    CODESIGNATED,
     ORIGIN,
     Bound,
     Bounds,
@@ -157,7 +158,7 @@ def _constraints(
 def _codesignations_off_timelines(tokens: list[Token], ids: dict[int, str]) -> tuple[PlanConstraint, ...]:
     """Slots tell which tokens of a timeline are one; of other tokens, constraints do."""
     return tuple(
-        PlanConstraint(f"{ids[id(host_of(t))]}.{side}", f"{ids[id(t)]}.{side}", 0, 0, "codesignated")
+        PlanConstraint(f"{ids[id(host_of(t))]}.{side}", f"{ids[id(t)]}.{side}", 0, 0, CODESIGNATED)
         for t in tokens
         if t.host is not None and t.kind != "timeline"
         for side in ("start", "end")

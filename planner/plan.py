@@ -17,6 +17,8 @@ from planner.files import write_whole
 
 FORMAT = 1
 ORIGIN = "origin"
+CODESIGNATED = "codesignated"
+"""Why the timepoints of two tokens off timelines that are one are equal."""
 
 Bound = int | None
 Bounds = tuple[Bound, Bound]

@@ -30,8 +30,8 @@ from scenarios.errors import ScenarioError
 from scenarios.explaining.conflict import Conflict, conflict_of
 from scenarios.explaining.tokens import Rationale
 
-DEFAULT_HORIZON = (0, 1000)
-"""For a file that gives none, as ticks."""
+DEFAULT_HORIZONS = ((0, 100), (0, 1_000), (0, 10_000))
+"""For a file that gives none, as ticks: what `new PlannerConfig()` says, then longer ones until there is a plan."""
 FEWEST_STEPS = 1000
 """A smaller limit in a file is read as this: how steps are counted differs from planner to planner."""
 
@@ -115,11 +115,15 @@ def plan_file(
     with patient_collector():
         started = perf_counter()
         model, program, report = load(path, registry, include)
-        span = horizon or program.horizon or DEFAULT_HORIZON
-        if span[0] >= span[1]:
-            raise ProblemError(f"horizon: expected a start before the end, found [{span[0]} {span[1]}]")
-        planning = _Planning(model, program, report, span, engine)
-        answer = planning.run(_limits(program, max_seconds, max_steps), started)
+        given = horizon or program.horizon
+        if given is not None and given[0] >= given[1]:
+            raise ProblemError(f"horizon: expected a start before the end, found [{given[0]} {given[1]}]")
+        limits = _limits(program, max_seconds, max_steps)
+        for span in DEFAULT_HORIZONS if given is None else (given,):
+            planning = _Planning(model, program, report, span, engine)
+            answer = planning.run(limits, started)
+            if answer.verdict != "unsolvable":
+                break
         return replace(answer, explanation=planning.explanation(answer, max_seconds)) if explain else answer
 
 

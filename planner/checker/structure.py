@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from planner.checker.network import INF, told
 from planner.checker.view import Limit, Slot, allowed_by, value_of, values_of
@@ -12,7 +12,7 @@ from planner.errors import ModelError
 from planner.model.classes import Predicate
 from planner.model.manager import ModelManager
 from planner.model.rules import AllowedValue, Constant
-from planner.plan import ORIGIN, FlexiblePlan, PlanToken
+from planner.plan import CODESIGNATED, ORIGIN, FlexiblePlan, PlanToken
 
 
 def check_names(plan: FlexiblePlan, model: ModelManager) -> Iterator[Violation]:
@@ -139,7 +139,8 @@ def slots_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Slot]:
     """The slots of a plan without violations so far, by host."""
     groups = [slot for timeline in plan.timelines for slot in timeline.slots]
     placed = {token_id for group in groups for token_id in group}
-    groups += [(token.id,) for token in plan.tokens if token.id not in placed and token.allowed is None]
+    others = [token.id for token in plan.tokens if token.id not in placed and token.allowed is None]
+    groups += _codesignated(plan, others)
     slots = {}
     for group in groups:
         host = plan.token(group[0])
@@ -151,6 +152,21 @@ def slots_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Slot]:
             values[parameter.name] = value
         slots[host.id] = Slot(tuple(map(plan.token, group)), predicate, model.object_named(host.object), values)
     return slots
+
+
+def _codesignated(plan: FlexiblePlan, tokens: Sequence[str]) -> list[tuple[str, ...]]:
+    """Tokens off timelines, each host with those that constraints on both of its timepoints say are one with it."""
+    sides: dict[tuple[str, str], set[str]] = {}
+    for c in plan.constraints:
+        (host, _, side), (token, _, other) = c.from_.partition("."), c.to.partition(".")
+        if c.why == CODESIGNATED and side == other and (c.min, c.max) == (0, 0):
+            sides.setdefault((host, token), set()).add(side)
+    groups: dict[str, list[str]] = {token: [token] for token in tokens}
+    for (host, token), said in sides.items():
+        if said == {"start", "end"} and host in groups and groups.get(token) == [token] and host != token:
+            groups[host].append(token)
+            del groups[token]
+    return [tuple(group) for group in groups.values()]
 
 
 def limits_of(plan: FlexiblePlan, model: ModelManager) -> dict[str, Limit]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from planner.language.nddl.errors import NOWHERE, Position
-from planner.language.nddl.scope import Scope
+from planner.language.nddl.scope import Scope, VariableMeaning
 from planner.language.nddl.symbols import PredicateKey, Symbols
-from planner.language.nddl.syntax import Either, ForEach, If, Relation, RuleDefinition, Statement
+from planner.language.nddl.syntax import Declaration, Either, ForEach, If, Name, Relation, RuleDefinition, Statement
 from planner.model.rules import OneOf, Ref, Require, Rule, Subgoal
 
 _INVERSES = (
@@ -48,12 +48,14 @@ class Supports:
         declared = self.symbols.predicates_of(rule.cls)[rule.predicate].definition
         if declared is None or not declared.action:
             return
-        scope = Scope(self.symbols, action)
-        for relation in _relations(rule.body):
+        scope, values = Scope(self.symbols, action), _Values()
+        for relation in _relations(rule.body, scope, values):
             for target in relation.targets:
                 if target.role != "effect" or relation.origin is not None:
                     continue
-                (cls, name), owner = scope.predicate_of(target.path, target.at)
+                (cls, name), owner = scope.predicate_of(values.meant(target.path), target.at)
+                if owner is not None and owner.path[0] in scope.names:
+                    owner = None  # a local variable of the action: what becomes of it cannot be said from outside
                 declaring = self.symbols.predicates_of(cls)[name].cls
                 self._effects.setdefault((declaring, name), []).append((action, relation.relation, owner))
                 self._at.setdefault((declaring, name), rule.at)
@@ -72,13 +74,38 @@ class Supports:
             yield Rule(effect, (OneOf("support", tuple(branches)),), where)
 
 
-def _relations(statements: Sequence[Statement]) -> Iterator[Relation]:
+class _Values:
+    """Local variables that are declared with a path as their value, so that they can be read as that path."""
+
+    def __init__(self) -> None:
+        self._paths: dict[str, tuple[str, ...]] = {}
+
+    def declare(self, node: Declaration, scope: Scope) -> None:
+        """Enter the variables of a declaration."""
+        for variable in node.variables:
+            if isinstance(variable.value, Name):
+                self._paths[variable.name] = self.meant(variable.value.path)
+            else:
+                scope.add(variable.name, node.type)
+
+    def meant(self, path: tuple[str, ...]) -> tuple[str, ...]:
+        """The path with the value of its first name in that name's place."""
+        return (*self._paths.get(path[0], path[:1]), *path[1:])
+
+
+def _relations(statements: Sequence[Statement], scope: Scope, values: _Values) -> Iterator[Relation]:
+    """The relations of a body in order; the local variables before each are entered."""
     for statement in statements:
         if isinstance(statement, Relation):
             yield statement
+        elif isinstance(statement, Declaration):
+            values.declare(statement, scope)
         elif isinstance(statement, If):
-            yield from _relations((*statement.then, *statement.otherwise))
+            yield from _relations((*statement.then, *statement.otherwise), scope, values)
         elif isinstance(statement, Either):
-            yield from _relations([one for branch in statement.branches for one in branch])
+            yield from _relations([one for branch in statement.branches for one in branch], scope, values)
         elif isinstance(statement, ForEach):
-            yield from _relations(statement.body)
+            over = scope.meaning(values.meant(statement.over.path), statement.over.at)
+            if isinstance(over, VariableMeaning):
+                scope.add(statement.name, over.type)
+            yield from _relations(statement.body, scope, values)

@@ -32,6 +32,7 @@ _OTHER_NAMES = {
     "memberImply": "MemberImply",
     "or": "Or for",
     "subsetOf": "SubsetOf Singleton",
+    "temporalDistance": "temporaldistance",
     "testEq": "TestEqual testEQ",
     "testNeq": "testNEQ",
     "testLeq": "testLEQ condleq",

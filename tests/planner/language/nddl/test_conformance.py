@@ -197,3 +197,36 @@ def test_the_plan_says_what_its_rules_know_of_the_problem_and_is_judged_by_it() 
     other = replace(run.plan, variables={"mode": "fast", "least": 3})
     (violation,) = check(other, run.model)
     assert "eq(speed = [2 2], least = [3 3]) does not hold" in str(violation)
+
+
+# Actions
+
+
+@pytest.mark.parametrize(
+    "local",
+    ["Door it = object.door; meets(effect it.open o);", "Door it; eq(it, object.door); meets(effect it.open o);"],
+)
+def test_an_effect_on_an_object_that_a_local_variable_holds(local: str) -> None:
+    run = Run(
+        "class Door extends Timeline { predicate open {} predicate closed {} }"
+        "class Robot extends Timeline { Door door; Robot(Door d) { door = d; } action push { duration = 2; } }"
+        f"Robot::push {{ met_by(condition object.door.closed c); {local} }}"
+        "Door door = new Door(); Robot robot = new Robot(door);"
+        "fact(door.closed before_); eq(before_.start, 0); goal(door.open wanted); leq(10, wanted.start);"
+    )
+    assert run.predicates() == ["Door.closed", "Door.open", "Robot.push"]
+
+
+def test_tokens_off_timelines_that_are_one_are_judged_as_one() -> None:
+    run = Run(
+        "class Clock { predicate tick { duration = 10; } } Clock clock = new Clock();"
+        "Clock::tick { meets(object.tick n); met_by(object.tick p); }"
+        "PlannerConfig c = new PlannerConfig(0, 60, 100);"
+        "fact(clock.tick first); eq(first.start, 15); fact(clock.tick last); eq(last.start, 35);"
+        "goal(clock.tick middle); eq(middle.start, 25);"
+    )
+    assert run.plan is not None
+    assert len(run.plan.tokens) == 5
+    assert check(run.plan, run.model) == ()
+    apart = tuple(c for c in run.plan.constraints if c.why != "codesignated")
+    assert check(replace(run.plan, constraints=apart), run.model) != ()
