@@ -125,7 +125,7 @@ def variables_of(plan: FlexiblePlan, model: ModelManager) -> tuple[dict[str, Dom
     for name, domain in declared.items():
         given = values_of(domain, plan.variables[name]) if name in plan.variables else domain
         found[name] = domain.intersect(given) if given is not None else domain
-        if given is None or found[name].is_empty:
+        if name in said and (given is None or found[name].is_empty):
             found[name] = domain
             wrong.append(f"{said[name]}, expected some of {domain!r}")
     return found, wrong

