@@ -27,7 +27,7 @@ from planner.search.outcome import Limits, Outcome
 from planner.temporal.network import TemporalNetworkManager
 from scenarios.drawing.svg import save as save_drawing
 from scenarios.errors import ScenarioError
-from scenarios.explaining.conflict import Conflict, conflict_of
+from scenarios.explaining.conflict import Conflict, Suspects, conflict_of
 from scenarios.explaining.tokens import Rationale
 
 DEFAULT_HORIZONS = ((0, 100), (0, 1_000), (0, 10_000))
@@ -124,7 +124,7 @@ def plan_file(
             answer = planning.run(limits, started)
             if answer.verdict != "unsolvable":
                 break
-        return replace(answer, explanation=planning.explanation(answer, max_seconds)) if explain else answer
+        return planning.explained(answer, max_seconds) if explain else answer
 
 
 def write_files(answer: PlanAnswer, out: Path | None, svg: Path | None) -> None:
@@ -161,7 +161,7 @@ class _Planning:
         self.program = program
         self.report = report
         self.engine = engine
-        self.suspects: list[Owner] = []
+        self.suspects = Suspects()
         try:
             self.database = PlanDatabase(model, horizon)
         except ModelError as error:
@@ -171,17 +171,23 @@ class _Planning:
         database = self.database
         outcome = Outcome()
         loaded = solving = 0.0
-        conflict = self.suspects
+        conflict: list[Owner] = []
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = ENGINES[self.engine].search(database, limits, assign_endless, _described)
+            outcome = ENGINES[self.engine].search(database, limits, assign_endless, self._dead_end)
         except Inconsistency as inconsistency:
-            conflict += database.network.explain(inconsistency)
+            conflict = database.network.explain(inconsistency)
+            self.suspects = Suspects(tuple(conflict), at_once=True)
             outcome.exhausted = True
         solving = perf_counter()
         loaded = loaded or solving
         return self.answer(outcome, conflict, loaded - started, solving - loaded)
+
+    def _dead_end(self, owners: Sequence[Owner]) -> str:
+        """Note who met at the dead end that is nearest to the problem so far, and say it."""
+        self.suspects = Suspects(tuple(owners))
+        return _described(owners)
 
     def answer(self, outcome: Outcome, conflict: list[Owner], load: float, solve: float) -> PlanAnswer:
         plan = extract(self.database) if outcome.complete else None
@@ -206,14 +212,17 @@ class _Planning:
             rejected=tuple(rejected),
         )
 
-    def explanation(self, answer: PlanAnswer, max_seconds: float) -> Rationale | Conflict:
-        """Why the answer is what it is."""
+    def explained(self, answer: PlanAnswer, max_seconds: float) -> PlanAnswer:
+        """The answer with the reason why it is what it is. Finding that may prove that there is no plan."""
         if answer.plan is not None:
-            return Rationale(answer.plan, rationale(self.database))
+            return replace(answer, explanation=Rationale(answer.plan, rationale(self.database)))
         limits = Limits(answer.steps, max_seconds)
         proven = answer.verdict == "unsolvable"
         span = self.database.horizon
-        return conflict_of(self.model, self.program, span, self.engine, limits, self.suspects, proven)
+        found = conflict_of(self.model, self.program, span, self.engine, limits, self.suspects, proven)
+        if found.proven and not proven:
+            answer = replace(answer, verdict="unsolvable", reason="no plan exists: a part of the problem has none")
+        return replace(answer, explanation=found)
 
 
 def _described(owners: Sequence[Owner]) -> str:

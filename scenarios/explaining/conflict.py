@@ -14,6 +14,7 @@ from planner.errors import PlannerError
 from planner.language.nddl.errors import Report
 from planner.language.nddl.program import Program, Stated
 from planner.model.manager import ModelManager
+from planner.search.endless import assign_endless
 from planner.search.engines import ENGINES
 from planner.search.outcome import Limits
 from planner.tokens.instance import RuleInstance
@@ -37,9 +38,9 @@ class Place:
 class Conflict:
     """Statements that leave no plan.
 
-    `minimal`: without any one of them there is a plan of the others. `through`: the rules by which they meet, at the
-    dead end that the search found nearest to the problem; `dead_end`: that one in words, where no rule had a part in
-    it. `proven`: whether there is a conflict at all; the limits may have come first.
+    `minimal`: without any one of them, and with the problem's facts, there is a plan of the others. `through`: the
+    rules by which they meet, at the dead end that the search found nearest to the problem; `dead_end`: that one in
+    words, where no rule had a part in it. `proven`: whether there is a conflict; the limits may have come first.
     """
 
     statements: tuple[Place, ...]
@@ -66,19 +67,27 @@ class Conflict:
 
     def lines(self) -> list[str]:
         """What a person reads."""
-        horizon = f"within the horizon [{self.horizon[0]} {self.horizon[1]}]"
+        horizon = f"given the facts, within the horizon [{self.horizon[0]} {self.horizon[1]}]"
         if not self.proven:
-            return [f"no part of the problem was proven to have no plan {horizon} ({self.trials} trials)"]
+            return [f"no part of the problem was proven to have no plan, {horizon} ({self.trials} trials)"]
         if not self.statements:
-            return [f"the model alone leaves no plan {horizon}"]
+            return [f"the model alone leaves no plan, {horizon}"]
         one = len(self.statements) == 1
         needed = "without it there is a plan of the rest" if one else "without any one of them the others have a plan"
-        open_ = "whether fewer would do is not proven: a trial reached its limits"
+        open_ = "whether fewer would do is not proven"
         head = "this statement leaves" if one else "these statements together leave"
-        found = [f"{head} no plan {horizon}; {needed if self.minimal else open_}:"]
+        found = [f"{head} no plan, {horizon}; {needed if self.minimal else open_}:"]
         found += [f"  {s.file}:{s.line}:{s.column}: {s.text}" for s in self.statements]
         found += ["they meet through:", *(f"  {rule}" for rule in self.through)] if self.through else []
         return found if self.dead_end is None else [*found, f"at the dead end nearest to the problem {self.dead_end}"]
+
+
+@dataclass(frozen=True, slots=True)
+class Suspects:
+    """The owners of what met at a dead end. `at_once`: they contradict each other before any search."""
+
+    owners: tuple[Owner, ...] = ()
+    at_once: bool = False
 
 
 class _Trials:
@@ -89,6 +98,7 @@ class _Trials:
     ) -> None:
         self.model = model
         self.requirements = requirements
+        self.facts = requirements.stated("fact")
         self.horizon = horizon
         self.engine = ENGINES[engine]
         self.limits = limits
@@ -101,9 +111,13 @@ class _Trials:
         """Whether requirements contradict each other before any search."""
         return self._tried(chosen, search=False)
 
-    def fails(self, chosen: Sequence[int]) -> bool | None:
-        """Whether requirements leave no plan."""
-        return self._tried(chosen, search=True)
+    def fails(self, chosen: Sequence[int], without: int = -1) -> bool | None:
+        """Whether requirements leave no plan, given all facts of the problem but that one.
+
+        Facts stand, since they are not wishes only: what they say is true needs no support, and leaving one out may be
+        what leaves no plan.
+        """
+        return self._tried([*chosen, *(n for n in self.facts if n != without)], search=True)
 
     def _tried(self, chosen: Sequence[int], search: bool) -> bool | None:
         left = self.deadline - perf_counter()
@@ -117,7 +131,7 @@ class _Trials:
             if not search:
                 return False
             limits = Limits(self.limits.max_steps, left)
-            outcome = self.engine.search(database, limits, None, lambda owners: _keep(met, owners))
+            outcome = self.engine.search(database, limits, assign_endless, lambda owners: _keep(met, owners))
         except Inconsistency as inconsistency:
             self.met, self.dead_end = database.network.explain(inconsistency), None
             return True
@@ -141,43 +155,55 @@ def conflict_of(
     horizon: tuple[int, int],
     engine: str,
     limits: Limits,
-    suspects: Sequence[Owner],
-    verdict_proven: bool,
+    suspects: Suspects,
+    is_proven: bool,
 ) -> Conflict:
     """The conflict of a problem that was not solved.
 
-    `suspects`: the owners that the inconsistency of its initial state was traced to, if it has one. `verdict_proven`:
-    it is known that there is no plan. `limits`: steps of the search that failed, and seconds for all that is done here.
+    `suspects`: those that met in the initial state, or else at the dead end that the search found nearest to the
+    problem. `is_proven`: it is known that there is no plan. `limits`: steps of the search that failed, and seconds for
+    all that is done here.
     """
-    requirements = Requirements(program)
+    requirements = Requirements(program, model)
     steps = max(_STEPS_AT_LEAST, _TIMES_AS_MANY * limits.max_steps)
     trials = _Trials(model, requirements, horizon, engine, Limits(steps, limits.max_seconds))
-    core: list[int] | None = list(requirements.numbers)
-    if suspects:
-        core = _of_initial_state(requirements, trials, suspects)
-    elif not verdict_proven:
+    core = _of_suspects(requirements, trials, suspects)
+    if core is None and is_proven:
+        core = list(requirements.numbers)
+    elif core is None:
         core = _failing_part(requirements, trials)
     if core is None:
         return Conflict((), (), horizon, False, False, trials.count)
-    smallest = smallest_core(core, trials.fails)
-    trials.fails(smallest.members)
-    statements = chosen_statements(requirements, smallest.members)
+    members, minimal = _smallest(trials, core)
+    statements = chosen_statements(requirements, members)
     places = tuple(Place(s.at.file, s.at.line, s.at.column, written(s)) for s in statements)
     rules = _rules(trials.met)
-    return Conflict(places, rules, horizon, True, smallest.minimal, trials.count, trials.dead_end)
+    return Conflict(places, rules, horizon, True, minimal, trials.count, trials.dead_end)
 
 
-def _of_initial_state(requirements: Requirements, trials: _Trials, suspects: Sequence[Owner]) -> list[int]:
-    """Few requirements that contradict each other without any search."""
-    found = (requirements.number_at(s.statement.at) for s in map(_stated, suspects) if s is not None)
+def _smallest(trials: _Trials, core: Sequence[int]) -> tuple[list[int], bool]:
+    """Few requirements of a core that leave no plan, with the facts that are needed for that, and whether all are."""
+    wishes = smallest_core([n for n in core if n not in trials.facts], trials.fails)
+    if not wishes.members and core:
+        return list(core), wishes.minimal  # facts that contradict each other, found without any search
+    needed = [n for n in trials.facts if trials.fails(wishes.members, without=n) is False]
+    trials.fails(wishes.members)  # for what met at its dead end
+    return sorted({*wishes.members, *needed}), wishes.minimal
+
+
+def _of_suspects(requirements: Requirements, trials: _Trials, suspects: Suspects) -> list[int] | None:
+    """The statements among the suspects, if they fail on their own; where they contradict each other at once, few."""
+    found = (requirements.number_at(s.statement.at) for s in map(_stated, suspects.owners) if s is not None)
     named = requirements.closed({n for n in found if n is not None})
-    every = list(requirements.numbers)
-    return list(smallest_core(named if trials.clash(named) else every, trials.clash).members)
+    if suspects.at_once:
+        every = list(requirements.numbers)
+        return list(smallest_core(named if trials.clash(named) else every, trials.clash).members)
+    return named if named and trials.fails(named) else None
 
 
 def _failing_part(requirements: Requirements, trials: _Trials) -> list[int] | None:
     """Requirements that are proven to have no plan: with one goal alone, or all of them by a longer search."""
-    goals = set(requirements.goals())
+    goals = set(requirements.stated("goal"))
     every = list(requirements.numbers)
     parts = [[n for n in every if n not in goals or n == goal] for goal in sorted(goals)] if len(goals) > 1 else []
     return next((part for part in (*parts, every) if trials.fails(part)), None)

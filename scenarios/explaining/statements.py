@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, Literal
 
 from planner.language.nddl.errors import Position
 from planner.language.nddl.methods import withdrawn
@@ -23,20 +22,28 @@ from planner.language.nddl.syntax import (
     Statement,
     TokenReference,
 )
+from planner.model.manager import ModelManager
+from planner.model.rules import Ref
 
 _SILENT = ("close", "reset", "cancel", "free")
 _LONGEST = 160
 
 
 class Requirements:
-    """What a problem asks for, by number in its order; what only says that things exist always stands."""
+    """What a problem asks for, by number in its order.
 
-    def __init__(self, program: Program) -> None:
+    What only says that things exist always stands, but for variables that nothing speaks of: a search would have to
+    find values for them.
+    """
+
+    def __init__(self, program: Program, model: ModelManager) -> None:
         self.program = program
+        self._spoken = set(_names_in_rules(model))
         gone = withdrawn(program.statements)
         self.all = [s for s in program.statements if id(s) not in gone]
         self.numbers = tuple(n for n, s in enumerate(self.all) if _asks(s))
         self._by_place = {_place(self.all[n].at): n for n in self.numbers}
+        self._names = {n: frozenset(_names(self.all[n])) for n in self.numbers}
         self._needs = self._dependencies()
 
     def _dependencies(self) -> dict[int, set[int]]:
@@ -45,11 +52,10 @@ class Requirements:
         for number in self.numbers:
             for name in _introduces(self.all[number]):
                 introduced.setdefault(name, number)
-        needs: dict[int, set[int]] = defaultdict(set)
-        for number in self.numbers:
-            used = {introduced[name] for name in _names(self.all[number]) if name in introduced}
-            needs[number] = used - {number}
-        return needs
+        return {
+            number: {introduced[name] for name in self._names[number] if name in introduced} - {number}
+            for number in self.numbers
+        }
 
     def closed(self, chosen: Collection[int]) -> list[int]:
         """Some requirements with those that introduce what they speak of."""
@@ -72,21 +78,25 @@ class Requirements:
     def program_of(self, chosen: Collection[int]) -> Program:
         """The program with these requirements only."""
         standing = self.standing(chosen)
+        used = self._spoken.union(*(self._names[n] for n in standing))
         statements: list[Statement] = []
         for number, statement in enumerate(self.all):
-            if number in standing or not _asks(statement):
+            if number in standing:
                 statements.append(statement)
             elif isinstance(statement, Declaration):
-                statements.append(_without_values(statement))
+                statements += _without_values(statement, used)
+            elif not _asks(statement):
+                statements.append(statement)
         return replace(self.program, statements=statements)
 
     def number_at(self, at: Position) -> int | None:
         """The requirement that stands at a place."""
         return self._by_place.get(_place(at))
 
-    def goals(self) -> list[int]:
-        """The requirements that are goals."""
-        return [n for n in self.numbers if isinstance(self.all[n], Goal)]
+    def stated(self, kind: Literal["goal", "fact"]) -> list[int]:
+        """The requirements that state tokens as goals or as facts."""
+        statements = ((n, self.all[n]) for n in self.numbers)
+        return [n for n, s in statements if isinstance(s, Goal) and s.kind == kind]
 
 
 def _asks(statement: Statement) -> bool:
@@ -98,9 +108,35 @@ def _asks(statement: Statement) -> bool:
     return not (isinstance(statement, Method) and statement.method in _SILENT)
 
 
-def _without_values(node: Declaration) -> Declaration:
-    variables = tuple(v if isinstance(v.value, New) else replace(v, value=None) for v in node.variables)
-    return replace(node, variables=variables)
+def _without_values(node: Declaration, used: Collection[str]) -> Iterator[Declaration]:
+    """The objects of a declaration, and those of its variables that something speaks of, with any value."""
+    variables = tuple(
+        v if isinstance(v.value, New) else replace(v, value=None)
+        for v in node.variables
+        if isinstance(v.value, New) or v.name in used
+    )
+    if variables:
+        yield replace(node, variables=variables)
+
+
+def _names_in_rules(model: ModelManager) -> Iterator[str]:
+    """The first names of all paths in the rules of a model."""
+    for found in model.classes():
+        for rule in (rule for rules in found.rules.values() for rule in rules):
+            yield from _first_names(rule.body)
+        for predicate in found.predicates.values():
+            yield from _first_names(predicate.body)
+
+
+def _first_names(node: Any) -> Iterator[str]:
+    if isinstance(node, Ref):
+        yield node.path[0]
+    elif isinstance(node, tuple):
+        for one in node:
+            yield from _first_names(one)
+    elif is_dataclass(node) and type(node).__module__ == Ref.__module__:
+        for field in fields(node):
+            yield from _first_names(getattr(node, field.name))
 
 
 def _introduces(statement: Statement) -> Iterator[str]:

@@ -96,6 +96,47 @@ def test_what_the_model_alone_leaves_no_plan_for(tmp_path: Path) -> None:
     assert "horizon [0 30]" in late.lines()[0]
 
 
+SKY = """class Sky extends Timeline { exogenous predicate pass {} }
+class Radio extends Timeline { predicate send { duration = 10; } }
+Radio::send { contained_by(Sky.pass window); }
+Sky sky = new Sky(); Radio radio = new Radio();
+PlannerConfig w = new PlannerConfig(0, 100, 100);
+"""
+
+
+def test_facts_that_support_are_not_left_out(tmp_path: Path) -> None:
+    facts = "fact(sky.pass a); eq(a.start, 50); eq(a.end, 70);\n"
+    told = explained(tmp_path / "x.nddl", SKY + facts + "goal(radio.send s);\nleq(s.end, 30);")
+    # Without the pass nothing could be sent at all; that it comes too late is what leaves no plan.
+    assert [s.text for s in told.statements] == [
+        "eq(a.start, 50);",
+        "goal(radio.send s);",
+        "leq(s.end, 30);",
+    ]
+    assert told.minimal
+    assert told.proven
+
+
+def test_facts_that_contradict_each_other(tmp_path: Path) -> None:
+    told = explained(
+        tmp_path / "x.nddl", SKY + "fact(sky.pass a); eq(a.start, 50); leq(a.end, 40);\ngoal(radio.send s);"
+    )
+    assert [s.text for s in told.statements] == ["fact(sky.pass a);", "eq(a.start, 50);", "leq(a.end, 40);"]
+    assert told.minimal
+
+
+def test_a_part_is_proven_where_the_search_of_all_is_not(tmp_path: Path) -> None:
+    free = "".join(f"Bit f{n}; " for n in range(40))
+    text = f"typedef int [0 1] Bit; {free} Bit x; Bit y; Bit z; neq(x, y); neq(y, z); neq(x, z); leq(f1, f2);"
+    path = tmp_path / "x.nddl"
+    path.write_text(text)
+    assert plan_file(path, max_steps=3000).verdict == "limit"
+    answer = plan_file(path, max_steps=3000, explain=True)
+    assert answer.verdict == "unsolvable"
+    assert isinstance(answer.explanation, Conflict)
+    assert [s.text for s in answer.explanation.statements] == ["neq(x, y);", "neq(y, z);", "neq(x, z);"]
+
+
 def test_limits_are_told(tmp_path: Path) -> None:
     names = [f"v{n}" for n in range(12)]
     pigeons = "typedef int [1 11] Hole; " + "".join(f"Hole {n}; " for n in names)
