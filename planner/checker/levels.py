@@ -14,6 +14,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from planner.checker.closure import heaviest_closed_set
 from planner.checker.network import PlanNetwork
 from planner.checker.steps import Steps
@@ -48,7 +51,7 @@ class Levels:
 
     def __init__(self, network: PlanNetwork) -> None:
         self.network = network
-        self._rows: dict[int, list[float]] = {}
+        self._rows: dict[int, npt.NDArray[np.float64]] = {}
 
     def excess(self, events: Sequence[Event], sign: int, allowed: Steps, grounded: bool = False) -> Excess | None:
         """A schedule in which `sign` times the sum of steps is above what is allowed; None when there is none.
@@ -83,16 +86,21 @@ class Levels:
         """The events that have happened at a tick of a run in a schedule with the greatest gain there."""
         certain = {i for i in range(len(events)) if late[i] <= run[0]}
         pending = [i for i in range(len(events)) if early[i] <= run[1] and i not in certain]
-        implied = [
-            [n for n, j in enumerate(pending) if j != i and self._no_later(events[j], events[i])] for i in pending
-        ]
+        implied = self._no_later([events[i] for i in pending])
         return certain | {pending[n] for n in heaviest_closed_set([gains[i] for i in pending], implied)}
 
-    def _no_later(self, one: Event, other: Event) -> bool:
-        """Whether one event comes no later than another in every schedule."""
-        if other.point not in self._rows:
-            self._rows[other.point] = self.network.distances_from(other.point)
-        return self._rows[other.point][one.point] + one.offset <= other.offset
+    def _no_later(self, events: Sequence[Event]) -> list[int]:
+        """For each event, as bits, the others that come no later than it in every schedule."""
+        points = np.array([event.point for event in events], int)
+        offsets = np.array([event.offset for event in events], float)
+        found = []
+        for number, event in enumerate(events):
+            if event.point not in self._rows:
+                self._rows[event.point] = np.array(self.network.distances_from(event.point))
+            row = self._rows[event.point][points] + offsets <= event.offset
+            row[number] = False
+            found.append(int.from_bytes(np.packbits(row, bitorder="little").tobytes(), "little"))
+        return found
 
 
 def _hot_runs(

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from planner.checker import Violation, check, levels, resources
-from planner.checker.closure import heaviest_closed_set
+from planner.checker.closure import bits, heaviest_closed_set
 from planner.constraints.standard import STANDARD
 from planner.errors import ModelError
 from planner.language.builder import ModelBuilder, RuleBuilder
@@ -29,12 +29,19 @@ def test_the_heaviest_closed_set_is_that_of_all_sets() -> None:
     for _ in range(300):
         size = rng.randint(1, 7)
         weights = [rng.choice([-2.5, -1, 0, 0.5, 1, 3]) for _ in range(size)]
-        implied = [[j for j in range(size) if j != i and rng.random() < 0.2] for i in range(size)]
+        implied = _transitive([sum(1 << j for j in range(size) if j != i and rng.random() < 0.2) for i in range(size)])
         sets = [{i for i in range(size) if bits >> i & 1} for bits in range(1 << size)]
-        closed = [s for s in sets if all(j in s for i in s for j in implied[i])]
+        closed = [s for s in sets if all(set(bits(implied[i])) <= s for i in s)]
         found = heaviest_closed_set(weights, implied)
         assert found in closed
         assert sum(weights[i] for i in found) == max(sum(weights[i] for i in s) for s in closed)
+
+
+def _transitive(implied: list[int]) -> list[int]:
+    for middle, i in product(range(len(implied)), repeat=2):
+        if implied[i] >> middle & 1:
+            implied[i] |= implied[middle]
+    return [row & ~(1 << i) for i, row in enumerate(implied)]
 
 
 # Against every schedule.
@@ -77,8 +84,8 @@ def test_the_judgement_is_that_of_all_schedules() -> None:
 @pytest.mark.parametrize(
     ("owner", "name", "planted"),
     [
-        (levels.Levels, "_no_later", lambda *_: False),
-        (levels.Levels, "_no_later", lambda *_: True),
+        (levels.Levels, "_no_later", lambda _, events: [0] * len(events)),
+        (levels.Levels, "_no_later", lambda _, events: [(1 << len(events)) - 1 - (1 << n) for n in range(len(events))]),
         (levels, "_hot_runs", lambda *_: ()),
         (resources._Resource, "_rate", lambda *_: ()),
         (resources._Resource, "_sum", lambda *_: ()),
