@@ -71,6 +71,13 @@ class SpacecraftConfig:
     settle_rate_rad_s: float = 5.0e-5
     settle_hold_s: int = 60
     wing_rate_limit_rad_s: float = math.radians(0.25)
+    # cones (assumptions): the Sun off the camera's boresight, the Sun within the field of the fine Sun sensor
+    camera_sun_exclusion_rad: float = math.radians(40.0)
+    sun_sensor_half_field_rad: float = math.radians(64.0)
+    # Sun standby: +X to the Sun, and a turn about it in an hour; settled within these (coarse Sun sensors alone)
+    sun_standby_spin_rad_s: float = 2.0 * math.pi / 3600.0
+    sun_standby_error_rad: float = 0.02
+    sun_standby_rate_rad_s: float = 2.0e-4
     # wheels (class of a 12 N m s, 0.2 N m wheel); each starts at a random speed within +-initial
     wheel_torque_limit_Nm: float = 0.2
     wheel_speed_limit_rad_s: float = 628.0
@@ -110,8 +117,11 @@ class SpacecraftConfig:
     battery_initial_soc: float = 0.95
     battery_charge_limit_W: float = 300.0
     battery_charge_efficiency: float = 0.9
-    # ion engine (assumptions: durations, power outside thrusting)
+    # ion engine (assumptions: gimbals, durations, power outside thrusting)
     xenon_kg: float = 81.5
+    gimbal_limit_rad: float = math.radians(5.0)
+    gimbal_rate_limit_rad_s: float = math.radians(0.5)
+    gimbal_arm_m: float = 0.88
     engine_start_s: tuple[float, float] = (600.0, 1200.0)
     engine_stop_s: tuple[float, float] = (60.0, 240.0)
     engine_starting_W: float = 200.0
@@ -152,6 +162,9 @@ class SpacecraftConfig:
         for name in ("battery_initial_soc", "battery_charge_efficiency"):
             if getattr(self, name) > 1.0:
                 raise ConfigurationError(f"{name}: expected at most 1, found {getattr(self, name)}")
+        for name in ("camera_sun_exclusion_rad", "sun_sensor_half_field_rad"):
+            if getattr(self, name) > math.pi:
+                raise ConfigurationError(f"{name}: expected at most half a turn, found {getattr(self, name)}")
         positive = (
             "slew_rate_limit_rad_s",
             "slew_acceleration_limit_rad_s2",

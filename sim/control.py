@@ -24,8 +24,10 @@ from sim import control_law as law
 from sim.components.hooks import refuse_fault
 from sim.config import SpacecraftConfig
 from sim.kernels import Memory
-from sim.quaternion import Quaternion, Vector
+from sim.quaternion import Quaternion, Vector, about, multiply, unit
 
+SUN = "sun"
+"""What Sun standby calls its target."""
 # Over 210 slews (10 to 180 degrees, wheels up to 440 rad/s) feedback and the wings coming to rest added 0 to 38 s to
 # the ideal profile and the hold time.
 _EARLIEST_S = -10.0
@@ -60,9 +62,14 @@ def slew_bounds(angle_rad: float, config: SpacecraftConfig) -> SlewBounds:
 
 
 class AttitudeControl:
-    """Target and mode, and the law's memory: reference along the slew, settling clock."""
+    """The target, and the law's memory: reference along the slew, settling clock."""
 
-    READINGS: ClassVar[Mapping[str, int]] = {"acs.error_rad": law.ERROR, "acs.rate_rad_s": law.RATE_SIZE}
+    READINGS: ClassVar[Mapping[str, int]] = {
+        "acs.error_rad": law.ERROR,
+        "acs.rate_rad_s": law.RATE_SIZE,
+        "acs.sun_from_camera_rad": law.FROM_CAMERA,
+        "acs.sun_from_sensor_rad": law.FROM_SENSOR,
+    }
 
     def __init__(self, config: SpacecraftConfig, inertia_kg_m2: Vector, attitude_IB: Quaternion, target: str) -> None:
         self.memory: Memory = np.zeros(law.SIZE)
@@ -74,15 +81,17 @@ class AttitudeControl:
         m[law.SETTLE_ERROR] = config.settle_error_rad
         m[law.SETTLE_RATE] = config.settle_rate_rad_s
         m[law.SETTLE_HOLD] = m[law.QUIET_S] = config.settle_hold_s
+        m[law.SPIN], m[law.SUN_ERROR] = config.sun_standby_spin_rad_s, config.sun_standby_error_rad
+        m[law.SUN_RATE] = config.sun_standby_rate_rad_s
+        m[law.SUN_B] = 1.0
         m[law.INERTIA : law.INERTIA + 3] = inertia_kg_m2
         for place in (law.ATTITUDE, law.START, law.REFERENCE, law.TARGET):
             m[place : place + 4] = attitude_IB
         m[law.AXIS] = m[law.RATE_FACTOR] = m[law.SETTLED] = 1.0
-        self.mode = "standby"
         self.target = target
 
     def __repr__(self) -> str:
-        return f"AttitudeControl({self.mode}, {self.target}, {self.state})"
+        return f"AttitudeControl({self.target}, {self.state})"
 
     @property
     def settled(self) -> bool:
@@ -110,22 +119,49 @@ class AttitudeControl:
         w, x, y, z = self.memory[law.ATTITUDE : law.ATTITUDE + 4].tolist()
         return (w, x, y, z)
 
-    def point(self, mode: str, target: str, target_IB: Quaternion) -> None:
-        """Go to `target_IB` and hold it. The target already held stays as it is, settled if it was."""
-        self.mode = mode
+    @property
+    def sun_B(self) -> Vector:
+        """Unit vector to the Sun in body axes, as last observed."""
+        x, y, z = self.memory[law.SUN_B : law.SUN_B + 3].tolist()
+        return (x, y, z)
+
+    @property
+    def rest_IB(self) -> Quaternion:
+        """Where it comes to rest if it brakes from now on: turned on by half the rate over the limit, and a little."""
+        rate_B = self.memory[law.RATE : law.RATE + 3].tolist()
+        size = math.sqrt(sum(part * part for part in rate_B))
+        if size <= law.BRAKED_RATE_RAD_S:
+            return self.attitude_IB
+        turned = 0.5 * size * size / self.memory[law.ACCELERATION_LIMIT] + law.BRAKE_TAIL_RAD
+        return multiply(self.attitude_IB, about(unit((rate_B[0], rate_B[1], rate_B[2])), turned))
+
+    def point(self, target: str, way: tuple[Quaternion, ...]) -> None:
+        """Turn along one or two attitudes to the last of them, the target's, and hold it. One already held stays."""
         if target == self.target:
             return
         self.target = target
         m = self.memory
-        m[law.TARGET : law.TARGET + 4] = target_IB
+        m[law.SUN_MODE] = 0.0
+        m[law.HAS_VIA] = float(len(way) > 1)
+        m[law.VIA : law.VIA + 4] = way[0]
+        m[law.TARGET : law.TARGET + 4] = way[-1]
         m[law.SETTLED] = m[law.QUIET_S] = 0.0
         m[law.BRAKING] = 1.0
         m[law.ERROR] = law.small_angle(m, law.TARGET)
 
+    def seek_sun(self) -> None:
+        """Turn +X to the Sun by the Sun sensors and spin about it, whatever the attitude."""
+        if self.target == SUN:
+            return
+        self.target = SUN
+        m = self.memory
+        m[law.SUN_MODE] = 1.0
+        m[law.BRAKING] = m[law.HAS_VIA] = m[law.SETTLED] = m[law.QUIET_S] = 0.0
+
     def track(self, target_IB: Quaternion) -> None:
         """Where the target asks to look by now; a slew under way ends first where it was to end."""
         m = self.memory
-        if m[law.BRAKING] == 0.0 and m[law.DONE] >= m[law.WAY]:
+        if m[law.BRAKING] == 0.0 and m[law.HAS_VIA] == 0.0 and m[law.DONE] >= m[law.WAY]:
             m[law.TARGET : law.TARGET + 4] = m[law.REFERENCE : law.REFERENCE + 4] = target_IB
 
     def observe(self, dt_s: float, attitude_IB: Quaternion, rate_B: Vector) -> None:
@@ -140,8 +176,8 @@ class AttitudeControl:
         return (x, y, z)
 
     def telemetry(self) -> dict[str, str]:
-        """Mode, target and state; error and rate are among the readings."""
-        return {"acs.mode": self.mode, "acs.target": self.target, "acs.state": self.state}
+        """Target and state; errors and rate are among the readings."""
+        return {"acs.target": self.target, "acs.state": self.state}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
         """`slow_slew`: the reference runs at `factor` of the rate limit."""

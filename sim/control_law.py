@@ -13,10 +13,18 @@ REFERENCE, TARGET = 18, 22
 QUIET_S, RATE_FACTOR, SETTLED, ERROR, RATE_SIZE = 26, 27, 28, 29, 30
 STIFFNESS, DAMPING, RATE_LIMIT, ACCELERATION_LIMIT = 31, 32, 33, 34
 SETTLE_ERROR, SETTLE_RATE, SETTLE_HOLD, INERTIA = 35, 36, 37, 38
-SIZE = 41
+VIA, HAS_VIA = 41, 45
+SUN_MODE, SUN_B, SPIN, SUN_ERROR, SUN_RATE = 46, 47, 50, 51, 52
+FROM_CAMERA, FROM_SENSOR = 53, 54
+SIZE = 55
 
 BRAKED_RATE_RAD_S = 1.0e-4
+# How far it turns while the rate, below the acceleration limit's share, fades.
+BRAKE_TAIL_RAD = 2.0e-3
 _BRAKE_GAIN_PER_S = 0.18
+# Sun standby: rate wanted per angle off the Sun, and acceleration per rate off the wanted one.
+_TURN_PER_S, _SUN_GAIN_PER_S = 0.02, 0.1
+_HALF = math.sqrt(0.5)
 
 
 @compiled
@@ -32,12 +40,27 @@ def small_angle(m: Memory, place: int) -> float:
 
 @compiled
 def observe(m: Memory, dt_s: float) -> None:
-    """Judge the attitude and rate that lie in the memory after `dt_s` more."""
+    """Judge the attitude, rate and Sun that lie in the memory after `dt_s` more."""
     wx, wy, wz = m[RATE], m[RATE + 1], m[RATE + 2]
     m[RATE_SIZE] = math.sqrt(wx * wx + wy * wy + wz * wz)
-    m[ERROR] = small_angle(m, TARGET)
+    sx, sy, sz = m[SUN_B], m[SUN_B + 1], m[SUN_B + 2]
+    m[FROM_CAMERA] = math.atan2(math.sqrt(sx * sx + sy * sy), sz)
+    along, across = _HALF * (sx - sz), _HALF * (sx + sz)
+    m[FROM_SENSOR] = math.atan2(math.sqrt(across * across + sy * sy), along)
+    if m[SUN_MODE] != 0.0:
+        m[ERROR] = math.atan2(math.sqrt(sy * sy + sz * sz), sx)
+        off = wx - m[SPIN]
+        judge(m, dt_s, m[SUN_ERROR], m[SUN_RATE], math.sqrt(off * off + wy * wy + wz * wz))
+    else:
+        m[ERROR] = small_angle(m, TARGET)
+        judge(m, dt_s, m[SETTLE_ERROR], m[SETTLE_RATE], m[RATE_SIZE])
+
+
+@compiled
+def judge(m: Memory, dt_s: float, error_limit: float, rate_limit: float, rate: float) -> None:
+    """Settled: under both limits for the hold time, then until twice one of them."""
     slack = 2.0 if m[SETTLED] != 0.0 else 1.0
-    if m[ERROR] > slack * m[SETTLE_ERROR] or m[RATE_SIZE] > slack * m[SETTLE_RATE]:
+    if m[ERROR] > slack * error_limit or rate > slack * rate_limit:
         m[QUIET_S] = 0.0
         m[SETTLED] = 0.0
     elif m[SETTLED] == 0.0:
@@ -48,9 +71,10 @@ def observe(m: Memory, dt_s: float) -> None:
 
 @compiled
 def plan(m: Memory) -> None:
-    """Lay the way: one rotation from the present attitude to the target's, the shorter one."""
+    """Lay the way: one rotation from the present attitude to the next stop or the target, the shorter one."""
     w, x, y, z = m[ATTITUDE], -m[ATTITUDE + 1], -m[ATTITUDE + 2], -m[ATTITUDE + 3]
-    tw, tx, ty, tz = m[TARGET], m[TARGET + 1], m[TARGET + 2], m[TARGET + 3]
+    goal = VIA if m[HAS_VIA] != 0.0 else TARGET
+    tw, tx, ty, tz = m[goal], m[goal + 1], m[goal + 2], m[goal + 3]
     rw = w * tw - x * tx - y * ty - z * tz
     rx = w * tx + x * tw + y * tz - z * ty
     ry = w * ty - x * tz + y * tw + z * tx
@@ -105,6 +129,22 @@ def brake(m: Memory) -> tuple[float, float, float]:
 
 
 @compiled
+def seek_sun(m: Memory) -> tuple[float, float, float]:
+    """Angular acceleration that turns +X to the Sun and spins about it: from its direction and rates alone."""
+    sx, sy, sz = m[SUN_B], m[SUN_B + 1], m[SUN_B + 2]
+    across = math.sqrt(sy * sy + sz * sz)
+    angle = math.atan2(across, sx)
+    wanted = min(m[RATE_LIMIT] * m[RATE_FACTOR], _TURN_PER_S * angle)
+    # The shorter way is about X x Sun; with the Sun behind every way is as short.
+    ny, nz = (-sz / across, sy / across) if across > 1e-6 else (1.0, 0.0)
+    ax = _SUN_GAIN_PER_S * (m[SPIN] - m[RATE])
+    ay = _SUN_GAIN_PER_S * (wanted * ny - m[RATE + 1])
+    az = _SUN_GAIN_PER_S * (wanted * nz - m[RATE + 2])
+    scale = min(1.0, m[ACCELERATION_LIMIT] / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-12))
+    return scale * ax, scale * ay, scale * az
+
+
+@compiled
 def follow(m: Memory, dt_s: float) -> tuple[float, float, float]:
     """Angular acceleration that keeps to the reference, which moves on."""
     rate, acceleration = m[WAY_RATE], 0.0
@@ -128,9 +168,18 @@ def follow(m: Memory, dt_s: float) -> tuple[float, float, float]:
 @compiled
 def step(m: Memory, dt_s: float, wheel_x: float, wheel_y: float, wheel_z: float) -> tuple[float, float, float]:
     """Torque (N m, body axes) wanted on the bus for the next `dt_s`, given the wheels' momentum (N m s)."""
-    if m[BRAKING] != 0.0 and m[RATE_SIZE] <= BRAKED_RATE_RAD_S:
+    if m[BRAKING] != 0.0:
+        if m[RATE_SIZE] <= BRAKED_RATE_RAD_S:
+            plan(m)
+    elif m[HAS_VIA] != 0.0 and m[DONE] >= m[WAY]:
+        m[HAS_VIA] = 0.0
         plan(m)
-    ax, ay, az = brake(m) if m[BRAKING] != 0.0 else follow(m, dt_s)
+    if m[SUN_MODE] != 0.0:
+        ax, ay, az = seek_sun(m)
+    elif m[BRAKING] != 0.0:
+        ax, ay, az = brake(m)
+    else:
+        ax, ay, az = follow(m, dt_s)
     wx, wy, wz = m[RATE], m[RATE + 1], m[RATE + 2]
     jx, jy, jz = m[INERTIA], m[INERTIA + 1], m[INERTIA + 2]
     hx, hy, hz = jx * wx + wheel_x, jy * wy + wheel_y, jz * wz + wheel_z

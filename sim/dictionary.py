@@ -53,11 +53,12 @@ RESETTABLE = ("acs", "ips", "lpe", "micas", "pdu", "radio")
 _TELECOMMANDS = (
     Telecommand("acs.point", "acs", (Argument("target", "str"),), "slew to a target and hold it with the wheels"),
     Telecommand("acs.standby", "acs", (), "slew to the Earth and stay there, safe"),
+    Telecommand("acs.sun_standby", "acs", (), "turn +X to the Sun without star tracker, spin slowly, safe"),
     Telecommand(
         "acs.actuators",
         "acs",
-        (Argument("name", "str", "", ("wheels", "thrusters")),),
-        "hold and turn with the wheels or with the thrusters",
+        (Argument("name", "str", "", ("wheels", "thrusters", "gimbals")),),
+        "hold and turn with wheels or thrusters, or hold with the thrusting engine's gimbals",
     ),
     Telecommand("acs.unload", "acs", (), "let the thrusters take the momentum out of the wheels"),
     Telecommand(
@@ -91,8 +92,8 @@ TELECOMMANDS: Mapping[str, Telecommand] = MappingProxyType({row.name: row for ro
 TERMINALS = tuple(sorted({row.terminal for row in _TELECOMMANDS}))
 
 _TELEMETRY = (
-    Channel("acs.mode", "", "str", 0, "wheels | standby"),
-    Channel("acs.target", "", "str", 0, "target held or on the way to"),
+    Channel("acs.mode", "", "str", 0, "wheels | rcs | tvc | earth_standby | sun_standby"),
+    Channel("acs.target", "", "str", 0, "target held or on the way to; sun in Sun standby"),
     Channel("acs.state", "", "str", 0, "slewing | settled"),
     Channel("acs.error_rad", "rad", "float", 1e-6, "angle to the attitude that the target asks for"),
     Channel("acs.rate_rad_s", "rad/s", "float", 1e-7, "size of the angular rate"),
@@ -130,7 +131,12 @@ _TELEMETRY = (
     Channel("rcs.hydrazine_kg", "kg", "float", 1e-4, "hydrazine left"),
     Channel("tracker.state", "", "str", 0, "tracking | blind | failed | off: star tracker"),
     Channel("acs.estimate_sigma_rad", "rad", "float", 1e-7, "standard deviation that the filter gives its attitude"),
-    Channel("acs.actuators", "", "str", 0, "wheels | unloading | thrusters"),
+    Channel("acs.actuators", "", "str", 0, "wheels | unloading | thrusters | gimbals"),
+    Channel("acs.cones", "", "str", 0, "kept | broken: the Sun off the camera, the Sun on the fine Sun sensor"),
+    Channel("acs.sun_from_camera_rad", "rad", "float", 1e-4, "angle from the camera's boresight to the Sun"),
+    Channel("acs.sun_from_sensor_rad", "rad", "float", 1e-4, "angle from the fine Sun sensor's axis to the Sun"),
+    Channel("ips.gimbal_x_rad", "rad", "float", 1e-5, "angle of the ion engine's gimbal about X"),
+    Channel("ips.gimbal_y_rad", "rad", "float", 1e-5, "angle of the ion engine's gimbal about Y"),
     Channel("sun_sensor.x", "", "float", 1e-4, "the Sun's direction as its sensors see it, body +X; 0: none"),
     Channel("sun_sensor.y", "", "float", 1e-4, "the same along +Y"),
     Channel("sun_sensor.z", "", "float", 1e-4, "the same along +Z"),

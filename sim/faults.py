@@ -60,6 +60,8 @@ _TABLE = (
     ),
     Fault("ips-start-fails", "ips", "start_blocked", "the ion engine's start never reaches ready"),
     Fault("ips-recycle", "ips", "recycle", "the ion engine breaks off thrusting by itself, once, and stays ready"),
+    Fault("gimbal-x-stuck", "gimbals", "stuck_x", "the ion engine's gimbal about X stays where it is"),
+    Fault("gimbal-y-stuck", "gimbals", "stuck_y", "the ion engine's gimbal about Y stays where it is"),
     Fault("ips-terminal-hung", "terminal.ips", "hung", "commands to the ion engine get no answer and do nothing"),
     Fault("ips-confirmation-lost", "terminal.ips", "mute", "the ion engine executes commands, but no answer comes"),
     Fault("micas-terminal-hung", "terminal.micas", "hung", "commands to the camera get no answer and do nothing"),

@@ -13,10 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import flight_loop as loop
+from sim import flight_law as loop
 from sim.assembly import load_assembly
+from sim.attitude_modes import ACTUATORS, AttitudeModes
 from sim.components import thrusters
 from sim.components.camera import Camera
+from sim.components.gimbals import Gimbals
 from sim.components.ion_engine import IonEngine
 from sim.components.power import SWITCHED_W, Power
 from sim.components.radio import RATE_MBIT_S, Radio, Recorder
@@ -26,7 +28,7 @@ from sim.components.thrusters import Thrusters
 from sim.components.wheels import Wheels
 from sim.components.wings import Wings
 from sim.config import SpacecraftConfig
-from sim.control import AttitudeControl, profile_duration_s
+from sim.control import AttitudeControl
 from sim.dictionary import TELECOMMANDS, TELEMETRY, TERMINALS, TelemetryValue, round_telemetry, why_wrong
 from sim.environment import Environment
 from sim.errors import ConfigurationError
@@ -36,13 +38,12 @@ from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
 from sim.flight_loop import FlightLoop, Units
 from sim.kernels import Memory
 from sim.physics import Physics
-from sim.quaternion import Quaternion, Vector, angle_between, rotate_inverse
+from sim.quaternion import Quaternion, Vector, rotate_inverse
 from sim.rendering import Renderer
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
 _GENERATORS = ("wheels", "ips", "micas", "sensors")
 _SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
-_ACTUATORS = ("wheels", "unloading", "thrusters")
 _UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
 
 
@@ -96,6 +97,7 @@ class Spacecraft:
         bias = self._sensors.memory[GYRO_BIAS : GYRO_BIAS + 3].copy()
         self._estimator = Estimator(config, generators["sensors"], attitude_IB, bias)
         self._engine = IonEngine(config, generators["ips"])
+        self._gimbals = Gimbals(config)
         self._camera = Camera(config, generators["micas"])
         self._power = Power(config)
         self._radio = Radio(config)
@@ -113,9 +115,12 @@ class Spacecraft:
             self._estimator,
             self._engine,
             self._recorder,
+            self._gimbals,
         )
         self._loop = FlightLoop(config, self._physics, units, self._new_surroundings())
         self._surroundings = self._loop.surroundings
+        steered = (self._thrusters, self._engine)
+        self._modes = AttitudeModes(config, self.environment, self._control, steered, self._surroundings)
         self._follow_sky()
         self._choose_actuators(config.initial_actuators)
         self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
@@ -197,7 +202,9 @@ class Spacecraft:
         values.update(zip(self._loop.channels, readings, strict=True))
         values["acs.state"] = "settled" if settled else "slewing"
         values["tracker.state"] = "tracking" if tracker_valid else self._sensors.tracker_state
-        values["acs.actuators"] = _ACTUATORS[int(actuators)]
+        values["acs.actuators"] = ACTUATORS[int(actuators)]
+        values["acs.mode"] = self._modes.mode(int(actuators))
+        values["acs.cones"] = "kept" if self._modes.cones_kept() else "broken"
         return values.copy()
 
     def inject(
@@ -319,6 +326,7 @@ class Spacecraft:
         self._terminals["lpe"].powered = board.lpe_fed
         board.carry(self._camera.power_W)
         self._engine.notice()
+        self._modes.notice()
         self._recorder.memory[RATE_MBIT_S] = self._radio.rate_Mbit_s
         self._take_out_propellant()
         self._surroundings[loop.THRUST_N] = self._engine.thrust_N
@@ -331,21 +339,20 @@ class Spacecraft:
         self._switched, self._looked_s = True, float(self.time)
         self.environment.gain(self._looked_s, self._physics.velocity_I)
         self._loop.look_around(self.environment, float(self.time))
-        self._control.track(self._attitude_at(float(self.time)))
-
-    def _attitude_at(self, time_s: float) -> Quaternion:
-        return self.environment.target_attitude_IB(self._control.target, time_s)
+        self._modes.follow(self._looked_s)
 
     def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
         if name.startswith("ips.") and not self._switchboard.fed("neb2"):
             return f"{name} needs power from NEB2, found none"
         if self._power.undervoltage and name in _SWITCH_ON and arguments.get("on") is not False:
             return _UNDERVOLTAGE
+        modes = self._modes
         actions: dict[str, Callable[[], str | None]] = {
-            "acs.point": lambda: self._point("wheels", str(arguments["target"])),
-            "acs.standby": lambda: self._point("standby", self.environment.earth),
-            "acs.actuators": lambda: self._choose_actuators(str(arguments["name"])),
-            "acs.unload": self._unload,
+            "acs.point": lambda: modes.point(str(arguments["target"]), float(self.time)),
+            "acs.standby": lambda: modes.standby(float(self.time)),
+            "acs.sun_standby": modes.sun_standby,
+            "acs.actuators": lambda: modes.actuators(str(arguments["name"])),
+            "acs.unload": modes.unload,
             "rcs.mode": lambda: self._thrusters.select(str(arguments["mode"])),
             "pasm.power": lambda: self._switchboard.power(bool(arguments["on"])),
             "lpe.status": lambda: None,
@@ -361,30 +368,12 @@ class Spacecraft:
         }
         return actions[name]()
 
-    def _point(self, mode: str, target: str) -> str | None:
-        """Aim at where the target will be when the slew arrives."""
-        here_IB, now_s = self._control.attitude_IB, float(self.time)
-        angle_rad = angle_between(here_IB, self.environment.target_attitude_IB(target, now_s))
-        arrival_s = now_s + profile_duration_s(angle_rad, self._config)
-        self._control.point(mode, target, self.environment.target_attitude_IB(target, arrival_s))
-        return None
-
-    def _choose_actuators(self, name: str) -> str | None:
-        thrusters.close(self._thrusters.memory)
-        self._surroundings[loop.ACTUATORS] = loop.WITH_THRUSTERS if name == "thrusters" else loop.WITH_WHEELS
-        return None
-
-    def _unload(self) -> str | None:
-        if self._surroundings[loop.ACTUATORS] == loop.WITH_THRUSTERS:
-            return "acs.unload needs actuators wheels, found thrusters"
-        self._surroundings[loop.ACTUATORS] = loop.UNLOADING
-        return None
-
     def _fault_hooks(self) -> dict[str, FaultHook]:
         hooks: dict[str, FaultHook] = {
             "acs": self._control,
             "wheels": self._wheels,
             "ips": self._engine,
+            "gimbals": self._gimbals,
             "micas": self._camera,
             "power": self._power,
             "radio": self._radio,

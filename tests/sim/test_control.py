@@ -3,13 +3,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sim import Spacecraft, SpacecraftConfig, Target
 from sim.components.wheels import Wheels
 from sim.control import AttitudeControl, profile_duration_s, slew_bounds
 from sim.quaternion import about, axis_angle, conjugate, cross, dot, multiply
+from sim.slews import slew_bounds_between
 from tests.sim.flights import command, slew, until
 
 NAMES = [target.name for target in SpacecraftConfig().targets]
@@ -54,6 +55,7 @@ directions = st.tuples(numbers, numbers, numbers).filter(lambda v: dot(v, v) > 1
 @settings(max_examples=15, derandomize=True, deadline=None)
 @given(directions, directions, st.sampled_from(["asteroid", "thrust"]), st.integers(0, 1000))
 def test_any_slew_settles_within_its_bounds_and_limits(first, second, kind, seed):
+    assume(first[0] < 0.3 * math.hypot(*first) and second[0] < 0.3 * math.hypot(*second))  # else refused
     targets = (
         Target("first", kind, first),
         Target("second", "asteroid", second),
@@ -61,7 +63,7 @@ def test_any_slew_settles_within_its_bounds_and_limits(first, second, kind, seed
     )
     config = SpacecraftConfig(targets=targets, initial_target="first")
     craft = Spacecraft(config, seed)
-    bounds = slew_bounds(craft.environment.slew_angle("first", "second", 0.0), config)
+    bounds = slew_bounds_between(craft.environment, config, "first", "second", 0.0, 0.0)
     command(craft, "acs.point", target="second")
     fastest, taken = 0.0, None
     for second_of_flight in range(1, bounds.upper_s + 1):
@@ -84,7 +86,7 @@ def test_the_profile_keeps_its_limits_and_ends_at_the_target(angle, factor):
     level, goal = (1.0, 0.0, 0.0, 0.0), about((1.0, 0.0, 0.0), angle)
     control = AttitudeControl(config, (inertia, inertia, inertia), level, "earth")
     control.set_fault("slow_slew", factor < 1.0, {"factor": factor})
-    control.point("wheels", "x", goal)
+    control.point("x", (goal,))
     turned, rate, seconds, fastest, hardest = 0.0, 0.0, 0, 0.0, 0.0
     while not control.settled:
         acceleration = control.step(1.0, (0.0, 0.0, 0.0))[0] / inertia
@@ -140,7 +142,11 @@ def test_pointing_where_it_points_stays_settled_and_standby_goes_to_earth():
     assert craft.telemetry()["acs.state"] == "settled"
     command(craft, "acs.standby")
     telemetry = craft.telemetry()
-    assert (telemetry["acs.mode"], telemetry["acs.target"], telemetry["acs.state"]) == ("standby", "earth", "slewing")
+    assert (telemetry["acs.mode"], telemetry["acs.target"], telemetry["acs.state"]) == (
+        "earth_standby",
+        "earth",
+        "slewing",
+    )
     until(craft, "acs.state", "settled")
     command(craft, "acs.point", target="earth")
     telemetry = craft.telemetry()

@@ -18,6 +18,7 @@ def test_the_contract_with_the_flight_side():
     assert signatures == {
         "acs.point": {"target": "str"},
         "acs.standby": {},
+        "acs.sun_standby": {},
         "acs.actuators": {"name": "str"},
         "acs.unload": {},
         "rcs.mode": {"mode": "str"},

@@ -41,7 +41,11 @@ def test_same_seed_same_telemetry_byte_for_byte_however_time_is_cut():
 def test_it_starts_settled_in_standby_with_full_sun():
     craft = Spacecraft(SpacecraftConfig(), 1)
     telemetry = craft.telemetry()
-    assert (telemetry["acs.mode"], telemetry["acs.target"], telemetry["acs.state"]) == ("standby", "earth", "settled")
+    assert (telemetry["acs.mode"], telemetry["acs.target"], telemetry["acs.state"]) == (
+        "earth_standby",
+        "earth",
+        "settled",
+    )
     assert telemetry["power.array_W"] == pytest.approx(2450.0, abs=5.0)
     craft.advance(600)
     assert craft.telemetry()["acs.state"] == "settled"
