@@ -122,7 +122,7 @@ class Spacecraft:
         steered = (self._thrusters, self._engine)
         self._modes = AttitudeModes(config, self.environment, self._control, steered, self._surroundings)
         self._follow_sky()
-        self._choose_actuators(config.initial_actuators)
+        self._modes.actuators(config.initial_actuators)
         self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
         # Units whose telemetry changes only when something is switched, and whether it has been since the last look.
         self._switched_units = (
