@@ -40,15 +40,15 @@ def extract(database: PlanDatabase) -> FlexiblePlan:
     for timeline in database.tokens.timelines.values():
         slots = (tuple(ids[id(t)] for t in [host, *merged.get(id(host), ())]) for host in timeline.sequence)
         timelines.append(PlanTimeline(timeline.object.name, timeline.attribute, tuple(slots)))
-    constraints, distances = _constraints(database, tokens, ids)
+    constraints, durations = _constraints(database, tokens, ids)
     return FlexiblePlan(
         model=database.model.name,
         horizon=database.horizon,
         objects=tuple(database.model.objects),
         timelines=tuple(timelines),
-        tokens=tuple(_token(database, t, ids, distances) for t in tokens),
+        tokens=tuple(_token(database, t, ids, durations) for t in tokens),
         constraints=constraints,
-        boundary=tuple(_token(database, t, ids, distances) for t in outside),
+        boundary=tuple(_token(database, t, ids, durations) for t in outside),
         variables=_variables(database),
     )
 
@@ -79,13 +79,13 @@ def host_of(token: Token) -> Token:
     return token
 
 
-def _token(database: PlanDatabase, token: Token, ids: dict[int, str], distances: dict[str, Bounds]) -> PlanToken:
+def _token(database: PlanDatabase, token: Token, ids: dict[int, str], durations: dict[int, Bounds]) -> PlanToken:
     temporal = database.temporal
     host = host_of(token)
     stated = host.duration.stated
     duration = _finite(stated.lower), _finite(stated.upper)
     if not host.contingent:
-        duration = _tighter(duration, distances.get(ids[id(host)], (None, None)))
+        duration = _tighter(duration, durations.get(host.start.timepoint, (None, None)))
     return PlanToken(
         id=ids[id(token)],
         object=token.thing.name if token.object.domain.is_singleton else "",
@@ -116,43 +116,81 @@ def _allowed(token: Token) -> tuple[PlanValue, ...] | None:
     )
 
 
+class _Between:
+    """What holds between two timepoints: bounds of the distance, and why, each reason once."""
+
+    __slots__ = ("lower", "reasons", "upper")
+
+    def __init__(self) -> None:
+        self.lower, self.upper = -INFINITY, INFINITY
+        self.reasons: dict[str, None] = {}
+
+    def tighten(self, lower: int, upper: int) -> None:
+        self.lower, self.upper = max(lower, self.lower), min(upper, self.upper)
+
+    @property
+    def bounds(self) -> Bounds:
+        return _finite(self.lower), _finite(self.upper)
+
+
 def _constraints(
     database: PlanDatabase, tokens: list[Token], ids: dict[int, str]
-) -> tuple[tuple[PlanConstraint, ...], dict[str, Bounds]]:
-    """The constraints between timepoints of hosts, one a pair, and those that bound a host's own duration."""
-    names = {0: ORIGIN}
-    for token in tokens:
-        host = ids[id(host_of(token))]
-        names[token.start.timepoint] = f"{host}.start"
-        names[token.end.timepoint] = f"{host}.end"
-    by_id = {ids[id(t)]: t for t in tokens}
-    bounds: dict[tuple[str, str], Bounds] = {}
-    reasons: dict[tuple[str, str], dict[str, None]] = {}
-    distances: dict[str, Bounds] = {}
-    for _, from_, to, minimum, maximum, owner in database.temporal.constraints():
-        if from_ not in names or to not in names or names[from_] == names[to]:
+) -> tuple[tuple[PlanConstraint, ...], dict[int, Bounds]]:
+    """The constraints between timepoints of hosts, one a pair, and the bounds of each host's own duration."""
+    points = _Points(tokens)
+    found: dict[tuple[int, int], _Between] = {}
+    durations: dict[int, _Between] = {}
+    why: dict[int, str] = {}
+    for _, from_, to, lower, upper, owner in database.temporal.constraints():
+        one, two = points.of_host.get(from_), points.of_host.get(to)
+        reason = database.network.stakeholder_named(owner)
+        # A gap follows from the tokens in between.
+        if one is None or two is None or one == two or isinstance(reason, Gap):
             continue
-        if isinstance(database.network.stakeholder_named(owner), Gap):
-            continue  # follows from the tokens in between
-        pair, found = (names[from_], names[to]), (_finite(minimum), _finite(maximum))
-        if (reverse := (pair[1], pair[0])) in bounds:
-            pair, found = reverse, (_negated(found[1]), _negated(found[0]))
-        one, two = pair[0].partition("."), pair[1].partition(".")
-        if one[0] == two[0] and one[2] == "start":
-            distances[one[0]] = _tighter(distances.get(one[0], (None, None)), found)
-            owner_of_both = by_id[one[0]]
-            stated = owner_of_both.duration.stated
-            choice = _finite(stated.lower), _finite(stated.upper)
-            if not owner_of_both.contingent or _tighter(found, choice) == choice:
+        minimum, maximum = lower, upper
+        if (two, one) in found or points.are_host(two, one):
+            one, two, minimum, maximum = two, one, -upper, -lower
+        if points.are_host(one, two):
+            durations.setdefault(one, _Between()).tighten(minimum, maximum)
+            stated = points.hosts[one].duration.stated
+            # Nature's own choice is no constraint of the plan; what the plan wants of it is.
+            if not points.hosts[one].contingent or (minimum <= stated.lower and stated.upper <= maximum):
                 continue
-        bounds[pair] = _tighter(bounds.get(pair, (None, None)), found)
-        reasons.setdefault(pair, {})[_why(database.network.stakeholder_named(owner))] = None
+        between = found.setdefault((one, two), _Between())
+        between.tighten(minimum, maximum)
+        between.reasons[why.get(id(reason)) or why.setdefault(id(reason), _why(reason))] = None
+    names = points.names(ids)
     listed = _codesignations_off_timelines(tokens, ids) + tuple(
-        PlanConstraint(*pair, *bound, "; ".join(reasons[pair]))
-        for pair, bound in bounds.items()
-        if bound != (None, None)
+        PlanConstraint(names[one], names[two], *between.bounds, "; ".join(between.reasons))
+        for (one, two), between in found.items()
+        if between.bounds != (None, None)
     )
-    return listed, distances
+    return listed, {start: between.bounds for start, between in durations.items()}
+
+
+class _Points:
+    """The timepoints of tokens. `of_host`: of each, that of the host; `hosts`: the hosts by their starts."""
+
+    def __init__(self, tokens: list[Token]) -> None:
+        self.of_host = {0: 0}
+        self.hosts: dict[int, Token] = {}
+        for token in tokens:
+            host = host_of(token)
+            self.of_host[token.start.timepoint] = host.start.timepoint
+            self.of_host[token.end.timepoint] = host.end.timepoint
+            self.hosts[host.start.timepoint] = host
+
+    def are_host(self, start: int, end: int) -> bool:
+        """Whether these are the start and the end of one host."""
+        return start in self.hosts and self.hosts[start].end.timepoint == end
+
+    def names(self, ids: dict[int, str]) -> dict[int, str]:
+        """The names of the hosts' timepoints."""
+        names = {0: ORIGIN}
+        for start, host in self.hosts.items():
+            names[start] = f"{ids[id(host)]}.start"
+            names[host.end.timepoint] = f"{ids[id(host)]}.end"
+        return names
 
 
 def _codesignations_off_timelines(tokens: list[Token], ids: dict[int, str]) -> tuple[PlanConstraint, ...]:
@@ -173,10 +211,6 @@ def _finite(value: float) -> Bound:
     return int(value) if -_UNBOUNDED < value < _UNBOUNDED else None
 
 
-def _negated(bound: Bound) -> Bound:
-    return None if bound is None else -bound
-
-
 def _tighter(one: Bounds, two: Bounds) -> Bounds:
     lows = [b for b in (one[0], two[0]) if b is not None]
     highs = [b for b in (one[1], two[1]) if b is not None]
@@ -194,7 +228,7 @@ def _value(domain: Domain) -> ParameterValue:
 def _plain(value: object) -> Value:
     if isinstance(value, ModelObject):
         return value.name
-    assert isinstance(value, bool | int | float | str)
+    assert isinstance(value, (bool, int, float, str))  # a union would be made anew for every value
     return value
 
 

@@ -22,7 +22,7 @@ Acceptance = Callable[[FlexiblePlan], bool]
 
 
 _STATED = re.compile(r"\b(?:state|fact) \d+ \(([^()]+)\)")
-_SUBGOAL = re.compile(r"/\w+")
+_SUBGOAL = re.compile(r"/(\w+|\.\.\.)")
 
 
 @dataclass(slots=True)

@@ -23,16 +23,21 @@ class Participant(Protocol):
         ...
 
 
-_SET, _ASSIGN, _APPENDED, _ADDED, _CALL = range(5)
+_SET, _ASSIGN, _ADDED, _CALL = range(4)
+
+Record = list[Any] | tuple[int, Any, Any, Any]
+"""A list stands for an append to it, the most frequent change; else the kind of change, where, and what was there."""
 
 
 class Trail:
-    """Chronological undo. `push` opens a level, `pop_to` undoes all that changed since."""
+    """Chronological undo. `push` opens a level, `pop_to` undoes all that changed since. `undone`: how many changes it
+    has taken back so far."""
 
-    __slots__ = ("_levels", "_log", "_participants")
+    __slots__ = ("_levels", "_log", "_participants", "undone")
 
     def __init__(self) -> None:
-        self._log: list[tuple[int, Any, Any, Any]] = []
+        self.undone = 0
+        self._log: list[Record] = []
         self._levels: list[tuple[int, ...]] = []
         self._participants: list[Participant] = []
 
@@ -40,6 +45,10 @@ class Trail:
     def depth(self) -> int:
         """The number of open levels."""
         return len(self._levels)
+
+    def __len__(self) -> int:
+        """The number of changes that can be undone, those of participants not counted."""
+        return len(self._log)
 
     def join(self, participant: Participant) -> None:
         """Have a store marked and undone with every level. Only before the first level."""
@@ -59,14 +68,17 @@ class Trail:
         target, *marks = self._levels[depth]
         del self._levels[depth:]
         log = self._log
+        self.undone += len(log) - target
         while len(log) > target:
-            kind, container, key, old = log.pop()
+            record = log.pop()
+            if isinstance(record, list):
+                record.pop()
+                continue
+            kind, container, key, old = record
             if kind == _SET:
                 container[key] = old
             elif kind == _ASSIGN:
                 setattr(container, key, old)
-            elif kind == _APPENDED:
-                container.pop()
             elif kind == _ADDED:
                 del container[key]
             else:
@@ -86,7 +98,7 @@ class Trail:
 
     def append(self, container: list[Any], value: Any) -> None:
         """`container.append(value)`."""
-        self._log.append((_APPENDED, container, None, None))
+        self._log.append(container)
         container.append(value)
 
     def add(self, container: dict[Any, Any], key: Any, value: Any) -> None:

@@ -77,6 +77,14 @@ class Propagator(Protocol):
         ...
 
 
+class Listener(Protocol):
+    """What wants to know that times moved, and no more."""
+
+    def touch(self) -> None:
+        """They moved, or moved back."""
+        ...
+
+
 class Constraint:
     """A constraint procedure over a scope of variables."""
 
@@ -92,6 +100,8 @@ class Constraint:
         """Apply the procedure once and restrict what it narrowed."""
         domains = [variable.domain for variable in self.scope]
         narrowed = self.procedure.narrow(domains)
+        if narrowed is domains:
+            return
         if narrowed is None:
             raise Inconsistency(because=self)
         for variable, old, new in zip(self.scope, domains, narrowed, strict=True):
@@ -126,6 +136,7 @@ class ConstraintNetworkManager:
         self._edges: list[tuple[Owner, Moment]] = []
         self._in_force = 0
         self._time_watchers: dict[int, list[AnyVariable]] = {}
+        self._listeners: dict[int, Listener] = {}
         self._queue: deque[Propagator] = deque()
         self._postponed: deque[Propagator] = deque()
         # All that were ever put on watch and not undone, in order, and those of them that read times and are there.
@@ -241,6 +252,14 @@ class ConstraintNetworkManager:
                 self._watch_time(variable.start.timepoint, variable)
                 self._watch_time(variable.end.timepoint, variable)
 
+    def hear(self, variable: TimeVariable, listener: Listener) -> None:
+        """Touch a listener, the one of this timepoint, when its bounds move; and when that is undone."""
+        self.temporal.watch(variable.timepoint)
+        if variable.timepoint in self._listeners:
+            self.trail.set(self._listeners, variable.timepoint, listener)
+        else:
+            self.trail.add(self._listeners, variable.timepoint, listener)
+
     def distance(self, from_: TimeVariable, to: TimeVariable, lower: float, upper: float, owner: Owner) -> int:
         """Post `lower <= to - from_ <= upper` ticks; returns the temporal constraint's identifier."""
         return self._post_edge(from_.timepoint, to.timepoint, lower, upper, owner)
@@ -280,9 +299,7 @@ class ConstraintNetworkManager:
             if not temporal.propagate():
                 raise Inconsistency(cycle=temporal.conflict())
             self._in_force = len(self._edges)
-            for timepoint in temporal.changed():
-                for variable in self._time_watchers.get(timepoint, ()):
-                    self._enqueue_all(variable.watchers)
+            self._times_moved(temporal.changed())
             if not queue:
                 if not self._postponed:
                     return
@@ -291,6 +308,18 @@ class ConstraintNetworkManager:
                 propagator = queue.popleft()
                 propagator.queued = False
                 propagator.run(self)
+
+    def _times_moved(self, timepoints: Sequence[int]) -> None:
+        touched: dict[Listener, None] = {}
+        for timepoint in timepoints:
+            for variable in self._time_watchers.get(timepoint, ()):
+                self._enqueue_all(variable.watchers)
+            listener = self._listeners.get(timepoint)
+            if listener is not None:
+                touched[listener] = None
+        for listener in touched:
+            listener.touch()
+            self.trail.call(listener.touch)
 
     def explain(self, inconsistency: Inconsistency) -> list[Owner]:
         """The owners whose constraints and restrictions together cause the inconsistency. Call before undoing it.

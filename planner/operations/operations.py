@@ -80,13 +80,13 @@ class Operations:
 
     def open_tokens(self) -> tuple[str, ...]:
         """The paths of the tokens that are neither inserted nor codesignated."""
-        return tuple(token.name for token in self.database.tokens.open_tokens.values())
+        return tuple(token.path.text for token in self.database.tokens.open_tokens.values())
 
     def openings(self, token: str) -> tuple[tuple[str, ...], tuple[tuple[str, int], ...]]:
         """Where an open token could go as far as bounds can tell: hosts, and (object, position) of empty slots."""
         found = self._token(token)
         hosts, places = self.database.tokens.openings(found)
-        return tuple(h.name for h in hosts), tuple((thing.name, position) for thing, position in places)
+        return tuple(h.path.text for h in hosts), tuple((thing.name, position) for thing, position in places)
 
     # The operations
 

@@ -29,7 +29,6 @@ from planner.operations.register import Register
 from planner.operations.restricting import restrict, variable_of
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction
 from planner.tokens import withdrawal
-from planner.tokens.groups import BoundsWatch
 from planner.tokens.instance import Extent, ForEachInstance, GuardInstance, RuleInstance
 from planner.tokens.token import Token, TokenState
 
@@ -256,7 +255,7 @@ class Retraction:
                     if self.network.posted_at(edge).changes > index:  # posted after the change was noted
                         self.edges.add(edge)
             for watcher in variable.watchers:
-                if id(watcher) in self.propagators or isinstance(watcher, BoundsWatch):
+                if id(watcher) in self.propagators:
                     continue
                 if isinstance(watcher, Constraint):
                     self._drop_effects(watcher, index, cut.last)

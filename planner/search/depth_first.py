@@ -10,6 +10,7 @@ from itertools import chain, islice
 from time import perf_counter
 
 from planner.database import PlanDatabase
+from planner.search.collector import Collector
 from planner.search.decisions import Decision
 from planner.search.flaws import Flaw, next_flaw
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
@@ -40,6 +41,7 @@ class DepthFirst(ABC):
         self.accept = accept
         self.describe = describe
         self.outcome = Outcome()
+        self.collector = Collector(database.trail)
         self.stack: list[Frame] = []
 
     @abstractmethod
@@ -74,5 +76,6 @@ class DepthFirst(ABC):
                 return self.outcome
 
     def spent(self) -> bool:
-        """Whether the limits are reached."""
+        """Whether the limits are reached; asked before every decision."""
+        self.collector.relieve()
         return self.outcome.steps >= self.max_steps or perf_counter() > self.deadline

@@ -8,13 +8,13 @@ horizon is no flaw: a plan speaks of its horizon only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain, islice
 
 from planner.constraints.network import DurationVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
 from planner.domains import Interval
-from planner.model.classes import objects_in
+from planner.model.classes import ModelObject, objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Limit, Order, Reject, Settle
 from planner.tokens.coverage import SIDES, Coverage
 from planner.tokens.groups import OpenGroup, Rank
@@ -26,20 +26,22 @@ from planner.tokens.token import GIVEN, Token
 class OpenToken:
     """A token that is not yet on a timeline."""
 
-    __slots__ = ("token",)
+    __slots__ = ("_openings", "token")
 
     def __init__(self, token: Token) -> None:
         self.token = token
+        self._openings: tuple[Iterable[Token], Iterable[tuple[ModelObject, int]]] | None = None
 
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         """Codesignate where possible, then the empty slots in order, then rejection where it is allowed."""
-        token = self.token
-        for host in database.tokens.hosts(token):
+        token, tokens = self.token, database.tokens
+        hosts, places = self._openings or (tokens.hosts(token), tokens.places(token))
+        for host in hosts:
             yield Codesignate(token, host)
         if token.predicate.exogenous and token.role not in GIVEN:
             pass  # only what the problem says is true can be its host
         elif token.kind == "timeline":
-            for thing, position in database.tokens.places(token):
+            for thing, position in places:
                 yield Insert(token, thing, position)
         else:
             for thing in objects_in(token.object.domain):
@@ -48,9 +50,11 @@ class OpenToken:
             yield Reject(token)
 
     def count(self, database: PlanDatabase) -> int:
-        """How many decisions there are."""
+        """How many decisions there are. If they are few, they are those of the moment from now on."""
         token = self.token
         hosts, places = database.tokens.openings(token)
+        if len(hosts) + len(places) <= FEW:
+            self._openings = hosts, places
         count = len(hosts) + (token.role == "rejectable")
         if token.predicate.exogenous and token.role not in GIVEN:
             return count
@@ -150,6 +154,8 @@ NOT_FORCED = (0,)
 CROWD = 32
 """In a group of more tokens than this, how many decisions one has is counted again only when its own bounds moved: an
 estimate, since what lies on the timeline moves too. The decisions themselves are always those of the moment."""
+FEW = 16
+"""So many openings of a token are kept from their being counted to their being decided on."""
 DEEP = 4
 """From this depth on, tokens are equally far from the problem."""
 WINDOW = 64
@@ -173,10 +179,10 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     urgent = _most_urgent(database)
     best: tuple[Flaw, Iterator[Decision]] | None = None
     if urgent is not None:
-        rank, token = urgent
-        decisions = OpenToken(token).decisions(database)
+        rank, flaw = urgent
+        decisions = flaw.decisions(database)
         first = list(islice(decisions, 2))
-        best = OpenToken(token), chain(first, decisions)
+        best = flaw, chain(first, decisions)
         if rank < NOT_FORCED or len(first) < 2:
             return best
     variable = next((v for v in database.tokens.alternatives if not v.domain.is_singleton), None)
@@ -237,32 +243,36 @@ def _is_no_flaw(database: PlanDatabase, token: Token) -> bool:
     return token.role == "subgoal" and token.may_be_outside(database.horizon)
 
 
-def _most_urgent(database: PlanDatabase) -> tuple[Rank, Token] | None:
+def _most_urgent(database: PlanDatabase) -> tuple[Rank, OpenToken] | None:
     """The other open token that comes first. Only groups in which something happened are looked at again."""
-    best: tuple[Rank, Token] | None = None
+    best: tuple[Rank, OpenToken] | None = None
     for group in database.tokens.open.look():
         if group.stale or group.wide:
-            group.best = _most_urgent_of(database, group)
+            found = _most_urgent_of(database, group)
+            group.best = None if found is None else (found[0], found[1].token)
             group.stale = False
-        if group.best is not None and (best is None or group.best[0] < best[0]):
-            best = group.best
+        else:
+            found = None if group.best is None else (group.best[0], OpenToken(group.best[1]))
+        if found is not None and (best is None or found[0] < best[0]):
+            best = found
     return best
 
 
-def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Token] | None:
-    best: tuple[Rank, Token] | None = None
+def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, OpenToken] | None:
+    best: tuple[Rank, OpenToken] | None = None
     lower, upper = database.temporal.lower, database.temporal.upper
     crowded = len(group.tokens) > CROWD
     for token in group.tokens.values():
         if _is_no_flaw(database, token):
             continue
+        flaw = OpenToken(token)
         start, end = token.start.timepoint, token.end.timepoint
         key = lower(start), upper(start), lower(end), upper(end)
         if not crowded or key != token.rank_key:
             token.rank_key = key
-            token.rank = _rank(token, OpenToken(token).count(database), key[0])
+            token.rank = _rank(token, flaw.count(database), key[0])
         if best is None or token.rank < best[0]:
-            best = token.rank, token
+            best = token.rank, flaw
     return best
 
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from planner.constraints.network import AnyVariable, ConstraintNetworkManager, Owner
-
 if TYPE_CHECKING:
     from planner.tokens.token import Token
 
@@ -35,21 +33,3 @@ class OpenGroup:
     def touch(self) -> None:
         """Something happened: look again."""
         self.stale = True
-
-
-class BoundsWatch:
-    """Makes a group stale when a bound of a token moves."""
-
-    __slots__ = ("group", "owner", "queued", "scope")
-
-    def __init__(self, group: OpenGroup, token: Token) -> None:
-        self.group = group
-        self.scope: tuple[AnyVariable, ...] = (token.start, token.end)
-        self.owner: Owner = token.owner
-        self.queued = False
-
-    def run(self, network: ConstraintNetworkManager) -> None:
-        """The bounds moved; if that is undone, they move again."""
-        if not self.group.stale:
-            self.group.stale = True
-        network.trail.call(self.group.touch)

@@ -88,6 +88,11 @@ class RuleInstance:
             scope = scope.parent
         return self.token.variable(name) if self.token is not None else None
 
+    @property
+    def name(self) -> str:
+        """What only this instance is called."""
+        return f"{self.label} of {self.token.path.text}" if self.token is not None else str(self.label)
+
     def __repr__(self) -> str:
         return f"{self.label} of {self.token.name}" if self.token is not None else str(self.label)
 
@@ -253,7 +258,7 @@ def _plain_distance(manager: TokenNetworkManager, statement: Require, instance: 
 
 def _local(manager: TokenNetworkManager, statement: Local, instance: RuleInstance) -> None:
     variable = manager.network.variable(
-        f"{instance}.{instance.path}{statement.name}", manager.model.domain_of(statement.type), instance
+        f"{instance.path}{statement.name}", manager.model.domain_of(statement.type), instance, instance
     )
     instance.names[statement.name] = variable
     manager.name_variable(variable)
@@ -277,7 +282,7 @@ def _for_each(manager: TokenNetworkManager, statement: ForEach, instance: RuleIn
 
 def _one_of(manager: TokenNetworkManager, statement: OneOf, instance: RuleInstance) -> None:
     choices = Universe(statement.name, range(len(statement.branches)))
-    variable = manager.network.variable(f"{instance}.{instance.path}{statement.name}", choices.domain(), instance)
+    variable = manager.network.variable(f"{instance.path}{statement.name}", choices.domain(), instance, instance)
     manager.name_variable(variable)
     manager.must_be_decided(variable)
     if instance.token is not None and instance.token.depth == 0:

@@ -186,10 +186,18 @@ class TokenNetworkManager:
 
     def openings(self, token: Token) -> tuple[list[Token], list[tuple[ModelObject, int]]]:
         """Where the token could go as far as bounds can tell: hosts, and empty slots as timeline and position."""
-        return list(self.hosts(token)), list(self.places(token))
+        if token.kind != "timeline":
+            return list(self.hosts(token)), []
+        hosts: list[Token] = []
+        places: list[tuple[ModelObject, int]] = []
+        for timeline in self._timelines_for(token):
+            found, slots = timeline.openings(token)
+            hosts += found
+            places += [(timeline.object, position) for position in slots]
+        return hosts, places
 
     def hosts(self, token: Token) -> Iterator[Token]:
-        """The active tokens that this one could be codesignated with."""
+        """The active tokens that this one could be codesignated with, found as they are asked for."""
         if token.kind == "timeline":
             for timeline in self._timelines_for(token):
                 yield from timeline.hosts(token)
@@ -197,7 +205,7 @@ class TokenNetworkManager:
             yield from (host for host in self._unordered_of(token) if may_codesignate(token, host))
 
     def places(self, token: Token) -> Iterator[tuple[ModelObject, int]]:
-        """The empty slots of timelines that it could take, as object and position."""
+        """The empty slots of timelines that it could take, as object and position, found as they are asked for."""
         if token.kind == "timeline":
             for timeline in self._timelines_for(token):
                 yield from ((timeline.object, position) for position in timeline.slots(token))
@@ -244,8 +252,9 @@ class TokenNetworkManager:
     def name_variable(self, variable: Variable) -> None:
         """Let a variable that a rule has of its own be found by its name."""
         self.trail.append(self._named, variable)
-        if variable.name not in self.variables:
-            self.trail.add(self.variables, variable.name, variable)
+        name = variable.name
+        if name not in self.variables:
+            self.trail.add(self.variables, name, variable)
 
     def note_reading(self, variable: Variable, instance: RuleInstance) -> None:
         """What an instance makes depends on the domain that a variable has now."""

@@ -11,7 +11,7 @@ from operator import attrgetter
 
 from planner.constraints.network import ConstraintNetworkManager
 from planner.model.classes import ModelObject
-from planner.tokens.groups import BoundsWatch, OpenGroup
+from planner.tokens.groups import OpenGroup
 from planner.tokens.token import Token, TokenState
 from planner.trail import Trail
 
@@ -122,4 +122,5 @@ class OpenTokens:
         self._trail.assign(token, "group", group)
         self.touch(group)
         if not wide:
-            self._network.alert(BoundsWatch(group, token))
+            self._network.hear(token.start, group)
+            self._network.hear(token.end, group)

@@ -6,15 +6,23 @@ without making its text.
 
 from __future__ import annotations
 
+LONG = 8
+"""A path of more steps is not written out for people."""
+
 
 class TokenPath:
-    """`one/2:step0`: a value, whose equality is that of its text. Slashes part the steps, whoever wrote them."""
+    """`one/2:step0`: a value, whose equality is that of its text. Slashes part the steps, whoever wrote them.
 
-    __slots__ = ("_hash", "before", "step")
+    `str` is for people, who would not read a text as long as a plan: the middle of a long path is left out.
+    """
+
+    __slots__ = ("_hash", "_root", "before", "length", "step")
 
     def __init__(self, before: TokenPath | None, step: str) -> None:
         self.before = before
         self.step = step
+        self.length: int = 1 if before is None else before.length + 1
+        self._root: TokenPath | None = None if before is None else before._root or before
         self._hash: int = hash((None if before is None else before._hash, step))
 
     @classmethod
@@ -47,12 +55,22 @@ class TokenPath:
     def __hash__(self) -> int:
         return self._hash
 
+    @property
+    def text(self) -> str:
+        """The whole path, which `of` reads."""
+        return "/".join(self._last(self.length))
+
     def __str__(self) -> str:
-        steps = []
-        path: TokenPath | None = self
-        while path is not None:
-            steps.append(path.step)
-            path = path.before
-        return "/".join(reversed(steps))
+        if self._root is None or self.length <= LONG:
+            return self.text
+        return "/".join((self._root.step, "...", *self._last(LONG - 2)))
 
     __repr__ = __str__
+
+    def _last(self, count: int) -> list[str]:
+        steps: list[str] = []
+        path: TokenPath | None = self
+        while path is not None and len(steps) < count:
+            steps.append(path.step)
+            path = path.before
+        return steps[::-1]

@@ -39,6 +39,14 @@ class Timeline:
         last = bisect_right(sequence, latest, first, key=lambda t: -bounds[LATEST * t.start.timepoint + EARLIEST])
         return first, last
 
+    def openings(self, token: Token) -> tuple[list[Token], list[int]]:
+        """All of its `hosts` and `slots`."""
+        first, last = self.window(token)
+        hosts = []
+        if may_seek_hosts(token):
+            hosts = [host for host in self.sequence[first:last] if may_codesignate(token, host)]
+        return hosts, list(self._slots(token, first, last))
+
     def hosts(self, token: Token) -> Iterator[Token]:
         """The hosts that the token could be codesignated with, as far as bounds and domains can tell, in order."""
         if not may_seek_hosts(token):
@@ -53,7 +61,9 @@ class Timeline:
 
         Each is the position of the token which the newcomer would come before.
         """
-        first, last = self.window(token)
+        return self._slots(token, *self.window(token))
+
+    def _slots(self, token: Token, first: int, last: int) -> Iterator[int]:
         bounds, sequence = self.temporal.bounds, self.sequence
         start, end = LATEST * token.start.timepoint, LATEST * token.end.timepoint
         start_lower, start_upper = -bounds[start + EARLIEST], bounds[start]

@@ -106,7 +106,7 @@ class Token:
 
     @property
     def name(self) -> str:
-        """The path as text."""
+        """The path for people: the middle of a long one is left out."""
         return str(self.path)
 
     @property

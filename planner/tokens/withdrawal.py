@@ -7,8 +7,7 @@ from operator import attrgetter
 from typing import Any
 
 from planner.constraints.network import Variable
-from planner.constraints.retraction import detach, forget_timepoint
-from planner.tokens.groups import BoundsWatch
+from planner.constraints.retraction import forget_timepoint
 from planner.tokens.instance import GuardInstance
 from planner.tokens.manager import TokenNetworkManager
 from planner.tokens.token import Token, TokenState
@@ -19,8 +18,6 @@ def release(manager: TokenNetworkManager, token: Token) -> None:
     """Make an active or merged token open again. What its rules made is the caller's to take out."""
     trail = manager.trail
     _leave_slot(manager, token)
-    for watch in [w for w in token.start.watchers if isinstance(w, BoundsWatch)]:
-        detach(manager.network, watch)
     for attribute, value in (("state", TokenState.INACTIVE), ("host", None), ("placed_by", None), ("group", None)):
         trail.assign(token, attribute, value)
     trail.assign(token, "rules", [])

@@ -33,6 +33,7 @@ def snapshot(database: PlanDatabase) -> dict[str, Any]:
         "in force": network._in_force,
         "queue": [repr(p) for p in network._queue],
         "time watchers": {k: [v.name for v in held] for k, held in network._time_watchers.items()},
+        "listeners": {k: id(listener) for k, listener in network._listeners.items()},
         "constraints": list(temporal.constraints()),
         "bounds": [(temporal.lower(p), temporal.upper(p)) for p in range(points)],
     }
