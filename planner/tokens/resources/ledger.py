@@ -141,7 +141,8 @@ class Ledger:
     def _first(self, low: bool) -> Scenario | None:
         side = 0 if low else 1
         limit = self.limit(low)
-        since = self._safe[side]
+        # Earliest times move while the plan grows, so what was found of them does not last.
+        since = -math.inf if self.grounded else self._safe[side]
         if since == math.inf or all(math.isinf(value) for value in limit.values):
             return None
         ticks = [tick for tick in self._ticks() if tick > since]

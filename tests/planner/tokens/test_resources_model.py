@@ -9,6 +9,7 @@ import pytest
 from planner.constraints.network import Inconsistency
 from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
+from planner.domains import Interval
 from planner.errors import ModelError
 from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
@@ -116,6 +117,16 @@ def test_a_grounded_resource_judges_the_earliest_schedule_only() -> None:
         bench.add("uses", "two", 2, (10, 50), (None, None), (5, 5))
         verdicts.append(bench.resource.clash() is not None)
     assert verdicts == [True, False]
+
+
+def test_a_grounded_resource_looks_again_when_earliest_times_move() -> None:
+    bench = Bench("Reusable", {"capacity": 3, "profile": "grounded"})
+    one = bench.add("uses", "one", 2, (0, 50), (None, None), (5, 20))
+    bench.add("uses", "two", 2, (10, 50), (None, None), (5, 5))
+    assert bench.resource.clash() is None
+    bench.database.network.restrict(one.end, Interval(12, 100), "later")
+    bench.database.network.propagate()
+    assert bench.resource.clash() is not None
 
 
 def test_a_clash_reads_well_and_names_the_tokens() -> None:
