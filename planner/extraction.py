@@ -57,7 +57,7 @@ def _variables(database: PlanDatabase) -> dict[str, ParameterValue]:
     """The problem's variables, and the members of objects of which something was decided."""
     model, tokens = database.model, database.tokens
     found = {name: v for name, v in tokens.names.items() if name in model.variables and isinstance(v, Variable)}
-    values = {name: _value(variable.domain) for name, variable in found.items()}
+    values = {name: _value(variable.domain) for name, variable in found.items() if not variable.domain.is_empty}
     for thing, name, variable in tokens.open_members():
         if variable.domain != thing.members.get(name, model.domain_of(model.members_of(thing.cls)[name])):
             values[f"{thing}.{name}"] = _value(variable.domain)

@@ -12,8 +12,8 @@ Reading order:
     expressions.py definitions.py parser.py printer.py      tokens to tree and back
     loader.py library.py         includes; the headers that are built in
     symbols.py scope.py values.py    what names mean
-    operators.py comparisons.py relations.py states.py translator.py    statements to those of rules
-    causality.py model_builder.py objects.py    tree to model
+    operators.py kinds.py comparisons.py relations.py states.py translator.py   statements to those of rules
+    causality.py model_builder.py objects.py limits.py  tree to model
     methods.py program.py        the problem, carried out on a plan database
     builder.py                   the whole way
 

@@ -76,8 +76,14 @@ def _skip_unreadable(source: Source, offset: int, report: Report) -> int:
         message = f"expected '#include \"file\"', found {word!r}: NDDL has no other preprocessor directive"
         report.complain(Complaint(at, message))
         return line_end
+    if text[offset] == "'":
+        report.complain(Complaint(at, "names of values in single quotes are of NDDL 1: leave the quotes out"))
+        return _QUOTED.match(text, offset).end()  # type: ignore[union-attr]
     report.complain(Complaint(at, f"{text[offset]!r} does not belong to the language"))
     return offset + 1
+
+
+_QUOTED = re.compile(r"'(?:\w*')?")
 
 
 _ESCAPES = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", '"': '"', "'": "'", "\\": "\\"}

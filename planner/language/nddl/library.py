@@ -8,7 +8,10 @@ model (planner.model.resources); here are their constructors as NDDL writes them
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from planner.errors import nearest
 
 HEADERS = frozenset(
     {"Plasma.nddl", "PlannerConfig.nddl", "Resources.nddl", "Core.nddl", "Constraints.nddl", "StringData.nddl"}
@@ -79,6 +82,20 @@ CONSTRUCTORS: dict[str, tuple[BuiltInConstructor, ...]] = {
     ),
     "StringData": _constructors("data"),
 }
+OBSOLETE_NAMES = {
+    "Resource": "class Resource with its predicate change is of EUROPA 2.1: extend Reservoir, with produce and consume",
+    "NddlWorld": "NddlWorld is older than PlannerConfig, which has the same arguments",
+    "MINUS_INFINITY": "MINUS_INFINITY is of EUROPA 2.1: write -inf, or -inff for a real number",
+    "PLUS_INFINITY": "PLUS_INFINITY is of EUROPA 2.1: write +inf, or +inff for a real number",
+}
+"""Names of earlier libraries, and what took their place."""
+
+
+def hint(name: str, known: Iterable[str]) -> str:
+    """What to write instead of a name that means nothing: what took its place, or the nearest of those known."""
+    return f"; {OBSOLETE_NAMES[name]}" if name in OBSOLETE_NAMES else nearest(name, known)
+
+
 UNBOUNDED_BY_DEFAULT = frozenset(
     {"production_rate_max", "production_max", "consumption_rate_max", "consumption_max", "level_max"}
 )

@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from planner.domains import Interval, Values
-from planner.errors import nearest
 from planner.language.nddl.errors import Complaint, Position
-from planner.language.nddl.library import CONSTRUCTORS, DEFAULTS, UNBOUNDED_BY_DEFAULT, BuiltInConstructor
+from planner.language.nddl.library import CONSTRUCTORS, DEFAULTS, UNBOUNDED_BY_DEFAULT, BuiltInConstructor, hint
 from planner.language.nddl.symbols import Symbols
 from planner.language.nddl.syntax import (
     Assignment,
@@ -51,8 +50,7 @@ class Objects:
     ) -> ModelObject:
         """A new object of that name and what its constructor makes; a complaint says what does not fit."""
         if new.cls not in self.symbols.classes:
-            hint = nearest(new.cls, self.symbols.classes)
-            raise Complaint(new.at, f"there is no class named {new.cls!r}{hint}")
+            raise Complaint(new.at, f"there is no class named {new.cls!r}{hint(new.cls, self.symbols.classes)}")
         if name in self.model.objects:
             raise Complaint(new.at, f"an object named {name!r} exists already")
         self._depth += 1
@@ -205,7 +203,7 @@ class Objects:
             known = [*scope, *(self.symbols.members_of(thing.cls) if thing else ()), *self.variables]
             known += [*self.model.objects, *self.symbols.enumerations_of]
             text = str(node) if isinstance(node, Name) else ""
-            what = f"{text!r} has no value here{nearest(text, known)}" if text else "expected a value"
+            what = f"{text!r} has no value here{hint(text, known)}" if text else "expected a value"
             raise Complaint(node.at, what)
         return value
 

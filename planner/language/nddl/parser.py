@@ -54,6 +54,7 @@ OBSOLETE = {
     "switch": "NDDL has no 'switch': write one if for each value",
     "return": "NDDL has no functions: there is nothing to return from",
 }
+OBSOLETE_FILTER = "filters of a variable, ': {...}', are of NDDL 1: write what they say as statements of their own"
 METHODS: tuple[str, ...] = (
     *("specify", "reset", "restrict", "close"),
     *("activate", "merge", "reject", "cancel"),
@@ -243,6 +244,8 @@ def declaration(reader: Reader) -> Declaration:
         elif reader.accept("("):
             found.append(Declarator(name, expression(reader), at=place))
             reader.expect(")")
+        elif reader.sees(":") and reader.ahead().text == "{":
+            raise Complaint(reader.at(), OBSOLETE_FILTER, unsupported=True)
         else:
             found.append(Declarator(name, at=place))
         if not reader.accept(","):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from planner.errors import nearest
 from planner.language.nddl.errors import Complaint, Position
+from planner.language.nddl.library import hint
 from planner.language.nddl.symbols import PredicateKey, Symbols
 from planner.model.rules import Ref
 
@@ -85,7 +86,7 @@ class Scope:
             found = self._value(path)
             if found is not None:
                 return found
-            raise Complaint(at, f"{path[0]!r} means nothing here{nearest(path[0], self.visible())}")
+            raise Complaint(at, f"{path[0]!r} means nothing here{hint(path[0], self.visible())}")
         for name in path[1:]:
             found = self._part(found, name, at)
         return found
@@ -132,7 +133,7 @@ class Scope:
             return symbols.predicate(owner[0], name, at), None
         if found is None:
             known = [*self.visible(), *symbols.classes]
-            raise Complaint(at, f"there is no class or object named {owner[0]!r}{nearest(owner[0], known)}")
+            raise Complaint(at, f"there is no class or object named {owner[0]!r}{hint(owner[0], known)}")
         for part in owner[1:]:
             found = self._part(found, part, at)
         cls = symbols.class_of(found.type) if isinstance(found, VariableMeaning) else None

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from planner.errors import nearest
 from planner.language.nddl.errors import NOWHERE, Complaint, Position, Report
-from planner.language.nddl.library import LIBRARY_CLASSES, MEMBER_NAMES
+from planner.language.nddl.library import LIBRARY_CLASSES, MEMBER_NAMES, hint
 from planner.language.nddl.syntax import (
     AttributeDefinition,
     ClassDefinition,
@@ -166,12 +166,12 @@ class Symbols:
     def _check_forward(self) -> None:
         for name, at in self.forward.items():
             if name not in self.classes:
-                hint = nearest(name, self.classes)
-                self._complain(at, f"class {name!r} is announced here, but it is declared nowhere{hint}")
+                instead = hint(name, self.classes)
+                self._complain(at, f"class {name!r} is announced here, but it is declared nowhere{instead}")
         for symbol in self.classes.values():
             if symbol.parent is not None and symbol.parent not in self.classes:
-                hint = nearest(symbol.parent, self.classes)
-                self._complain(symbol.at, f"class {symbol.name}: there is no class named {symbol.parent!r}{hint}")
+                instead = hint(symbol.parent, self.classes)
+                self._complain(symbol.at, f"class {symbol.name}: there is no class named {symbol.parent!r}{instead}")
                 symbol.parent = "Object"
         for symbol in self.classes.values():
             if self._is_cyclic(symbol):
@@ -273,5 +273,5 @@ class Symbols:
         """The type itself; a complaint when there is none of that name."""
         known = (*BASIC_TYPES, *self.enumerations, *self.aliases, *self.classes)
         if type_ not in known:
-            raise Complaint(at, f"there is no type named {type_!r}{nearest(type_, known)}")
+            raise Complaint(at, f"there is no type named {type_!r}{hint(type_, known)}")
         return type_

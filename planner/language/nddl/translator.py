@@ -14,6 +14,7 @@ from planner.domains import Interval
 from planner.errors import ModelError, nearest
 from planner.language.nddl.comparisons import Difference, difference
 from planner.language.nddl.errors import Complaint, Position, Report
+from planner.language.nddl.kinds import check_kinds
 from planner.language.nddl.operators import (
     ALIASES,
     COMPARISONS,
@@ -131,6 +132,7 @@ class Translator:
             procedures.get(name).check_scope(len(arguments))
         except ModelError as error:
             raise Complaint(at, str(error)) from None
+        check_kinds(self, procedures.get(name).kinds, arguments)
         real = any(self.is_real(argument) for argument in arguments)
         scope = tuple(self.expression(argument, real) for argument in arguments)
         self.out.append(rules.Require(name, scope))
@@ -160,6 +162,7 @@ class Translator:
         self.out.append(rules.Require("eq", (self.truth(node), rules.Constant(True))))
 
     def _compare(self, node: Binary) -> None:
+        self._check_order(node)
         real = self.is_real(node.left) or self.is_real(node.right)
         found = self.difference(node)
         if found is not None:
@@ -168,6 +171,7 @@ class Translator:
             return
         if node.operator == "==" and isinstance(node.left, Binary) and node.left.operator in RESULT_LAST:
             left = node.left
+            check_kinds(self, ("numeric",), (left.left, left.right, node.right))
             scope = (self.expression(left.left, real), self.expression(left.right, real))
             result = self.expression(node.right, real)
             self.out.append(rules.Require(RESULT_LAST[left.operator], (*scope, result)))
@@ -175,6 +179,10 @@ class Translator:
         pair = self.expression(node.left, real), self.expression(node.right, real)
         ordered = pair[::-1] if node.operator in MIRRORED else pair
         self.out.append(rules.Require(COMPARISONS[node.operator], ordered))
+
+    def _check_order(self, node: Binary) -> None:
+        if node.operator not in ("==", "!="):
+            check_kinds(self, ("numeric",), (node.left, node.right))
 
     def difference(self, node: Binary) -> Difference | None:
         """The temporal distance that a comparison says, if it says one."""
@@ -234,6 +242,7 @@ class Translator:
             one = self.expression(self._only_argument(node))
             return "eq", (one, one)
         if isinstance(node, Binary) and node.operator in COMPARISONS:
+            self._check_order(node)
             real = self.is_real(node.left) or self.is_real(node.right)
             pair = self.expression(node.left, real), self.expression(node.right, real)
             return COMPARISONS[node.operator], pair[::-1] if node.operator in MIRRORED else pair
@@ -303,6 +312,7 @@ class Translator:
         raise Complaint(node.at, f"{str(node)!r} is a token, expected a variable of it")
 
     def _arithmetic(self, node: Binary, real: bool) -> rules.Expression:
+        check_kinds(self, ("numeric",), (node.left, node.right))
         left, right = self.expression(node.left, real), self.expression(node.right, real)
         if node.operator != "-":
             return rules.Apply(RESULT_LAST[node.operator], (left, right))
@@ -316,6 +326,7 @@ class Translator:
             known = [*FUNCTIONS, *SINGLETON_TESTS]
             raise Complaint(node.at, f"there is no function named {node.function!r}{nearest(node.function, known)}")
         result = self._result("float", node.function)
+        check_kinds(self, ("numeric",), node.arguments)
         scope = (result, *(self.expression(argument) for argument in node.arguments))
         try:
             self.model.procedures.get(procedure).check_scope(len(scope))
@@ -337,6 +348,7 @@ class Translator:
             pair = self.truth(node.left), self.truth(node.right)
             return self._reified("testAnd" if node.operator == "&&" else "testOr", pair)
         if isinstance(node, Binary) and node.operator in TESTS:
+            self._check_order(node)
             real = self.is_real(node.left) or self.is_real(node.right)
             pair = self.expression(node.left, real), self.expression(node.right, real)
             return self._reified(TESTS[node.operator], pair[::-1] if node.operator in MIRRORED else pair)

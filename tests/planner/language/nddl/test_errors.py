@@ -69,6 +69,31 @@ class Rover extends Timeline {
         (DOMAIN + "goal(Rover.at t); goal(Rover.at u); t bifore u;", "7:39 expected a temporal relation between two"),
         (DOMAIN + "goal(Rover.at t); t.activat();", "7:19 there is no method named 'activat'; did you mean activate?"),
         (DOMAIN + "goal(Rover.at t); t.reject();", "7:19 't' is a goal: only a rejectable token can be rejected"),
+        (
+            "class B extends Resource { }",
+            "1:1 class B: there is no class named 'Resource'; class Res",
+        ),
+        (
+            "class R extends Reservoir { R() { super(0.0, MINUS_INFINITY, 3.0); } } R r = new R();",
+            "1:46",
+        ),
+        ("enum E {a} E e = 'a';", "1:18 names of values in single quotes are of NDDL 1"),
+        (
+            DOMAIN + "Rover r = new Rover(Hill); int x; leq(x, r.home);",
+            "7:42 expected a number, found r.home",
+        ),
+        (
+            DOMAIN + "Rover r = new Rover(Hill); int x; x + r == 3;",
+            "7:39 expected a number, found r, which",
+        ),
+        ("enum E {a} int x; x < a;", "1:23 expected a number, found a, a value of E"),
+        ('int x; abs(x) == 3; max("three", x) == 3;', "1:25 expected a number, found the text"),
+        (DOMAIN + "Rover::at { if (place < end) { } }", "7:17 expected a number, found place, which is of type Place"),
+        (
+            "class P extends Reusable { P() { super(1.0); } } P p = new P(); p.set_capacity(9, 3, 1.0);",
+            "1:65 set_capacity",
+        ),
+        ("class P { } P p = new P(); p.set_limit(1.0, 2.0);", "1:28 set_limit: p is a P, expected a resource"),
         (DOMAIN + "Rover::at { foreach (x in place) {} }", "7:27 foreach: expected an object variable, found 'place'"),
     ],
 )
@@ -96,6 +121,10 @@ def test_the_source_line_is_shown_with_a_caret() -> None:
     [
         ("class A extends Timeline { predicate p {} } A::p { subgoal(A.p x); }", "'subgoal(...)' is of NDDL 1"),
         ("numeric x;", "the type 'numeric' is of NDDL 1"),
+        (
+            "class A { } class B extends Timeline { predicate p {} } B::p { A a : { eq(a, a); }; }",
+            "': {...}', are of NDDL 1",
+        ),
     ],
 )
 def test_unsupported_is_an_error_of_its_own(text: str, expected: str) -> None:
