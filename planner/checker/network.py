@@ -35,7 +35,8 @@ class PlanNetwork:
     """Timepoints by number (0 is the origin) and what is true of them in every schedule.
 
     `host_of`: by token, the first token of its slot, whose timepoints it shares. `conflict`: the constraints of a
-    negative cycle, when there is no schedule at all; nothing else may be asked then.
+    negative cycle, when there is no schedule at all, and `conflict_tokens` those whose timepoints it passes; nothing
+    else may be asked then.
     `earliest`, `latest`: two schedules; what is unbounded is at a far but finite distance in them.
     """
 
@@ -56,7 +57,11 @@ class PlanNetwork:
             self._edge(row.to, row.from_, -row.minimum)
         potential, cycle = _schedule(self.out)
         self.conflict = tuple(self._why(a, b) for a, b in cycle)
+        self.conflict_tokens: tuple[str, ...] = ()
         if self.conflict:
+            on_it = {point for edge in cycle for point in edge}
+            tokens = (name.rpartition(".")[0] for name, point in self.index.items() if point in on_it and point)
+            self.conflict_tokens = tuple(dict.fromkeys(tokens))
             return
         potential = [p - potential[0] for p in potential]
         self.upper = _distances(self.out, potential, {0: 0.0})

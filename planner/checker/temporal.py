@@ -21,7 +21,8 @@ from planner.plan import Bounds
 def check_consistency(network: PlanNetwork) -> Iterator[Violation]:
     """There is a schedule."""
     if network.conflict:
-        yield Violation("inconsistent", f"no schedule satisfies all of: {'; '.join(network.conflict)}")
+        text = f"no schedule satisfies all of: {'; '.join(network.conflict)}"
+        yield Violation("inconsistent", text, network.conflict_tokens)
 
 
 def check_bounds(view: View) -> Iterator[Violation]:

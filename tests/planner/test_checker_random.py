@@ -16,7 +16,7 @@ from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan, PlanConstraint, PlanToken
 from planner.planning import plan as make_plan
-from planner.problem import Goal, Problem, TokenPattern
+from planner.problem import ConstraintPattern, Goal, Problem, TokenPattern
 from planner.search.outcome import Limits
 
 BOUNDED = settings(
@@ -25,6 +25,7 @@ BOUNDED = settings(
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
+FEWER = settings(BOUNDED, max_examples=80)
 
 
 def loose_tokens(count: int) -> tuple[PlanToken, ...]:
@@ -176,6 +177,11 @@ def domains(draw: st.DrawFn) -> tuple[ModelManager, Problem]:
     work = worker.predicate("work", {"place": place}, duration=(1, draw(st.integers(1, 6))))
     rest = worker.predicate("rest")
     uses_power = worker.predicate_of("Reusable", "uses")
+    consume, produce = (worker.predicate_of("Reservoir", name) for name in ("consume", "produce"))
+    power = model.object(
+        "power", "Reusable", {"capacity": draw(st.sampled_from([2, 3, 4, ((0, 4), (15, 2), (25, 4))]))}
+    )
+    tank = draw(st.booleans())
     with at.requires() as this:
         this.met_by(go, target=this.place)
         this.meets(go, origin=this.place)
@@ -199,11 +205,30 @@ def domains(draw: st.DrawFn) -> tuple[ModelManager, Problem]:
                     other.met_by(rest)
         if draw(st.booleans()):
             this.constrain("leq", this.duration, draw(st.integers(1, 6)))
+        if draw(st.integers(0, 3)) == 0:
+            with this.either() as loads:
+                for load in draw(st.lists(st.integers(1, 3), min_size=1, max_size=2)):
+                    with loads.alternative() as one:
+                        one.constrain("uses", power, load, one.start, one.end)
+        if tank:
+            this.relation("ends", consume, quantity=draw(st.integers(1, 2)))
+        if draw(st.integers(0, 2)) == 0:
+            allowed = [at.where(place=this.place), go] if draw(st.booleans()) else [at.where(place=["a", "b"])]
+            this.constraint_token(draw(st.sampled_from(["equals", "contained_by", "starts", "meets"])), allowed)
+    with rest.requires() as this:
+        if tank:
+            this.relation("ends", produce, quantity=draw(st.integers(1, 2)))
+        if draw(st.integers(0, 2)) == 0:
+            this.throughout(at.where(place=["b", "c"]), go)
     for name in ("Mover", "Worker"):
         model.object(name.lower(), name)
     if draw(st.booleans()):
         model.object("second", "Worker")
-    model.object("power", "Reusable", {"capacity": draw(st.integers(2, 4))})
+    if tank:
+        least = draw(st.sampled_from([0, ((0, 0), (20, 1))]))
+        limits = {"initial": draw(st.integers(1, 4)), "level_min": least, "level_max": draw(st.integers(4, 6))}
+        rates = draw(st.sampled_from([{}, {"consumption_rate_max": 2}, {"production_max": 3}, {"consumption_max": 4}]))
+        model.object("tank", "Reservoir", {**limits, **rates})
     goals = []
     for n in range(draw(st.integers(1, 4))):
         start = draw(st.one_of(st.none(), st.integers(0, 20)))
@@ -212,10 +237,14 @@ def domains(draw: st.DrawFn) -> tuple[ModelManager, Problem]:
         goals.append(Goal(f"g{n}", TokenPattern("Worker.work", None, {"place": target}, (start, None), (None, end)), n))
     state = (TokenPattern("Mover.at", parameters={"place": draw(st.sampled_from("abc"))}),)
     facts = (TokenPattern("Worker.rest", "worker", duration=(1, 3)),) if draw(st.booleans()) else ()
-    return model.finish(), Problem((0, 40), state, facts, tuple(goals))
+    kept = ConstraintPattern(
+        "Mover.state", (TokenPattern("Mover.at", parameters={"place": ("a", "b")}),), None, (9, 12), (14, 20)
+    )
+    constraints = (kept,) if draw(st.integers(0, 3)) == 0 else ()
+    return model.finish(), Problem((0, 40), state, facts, tuple(goals), constraints)
 
 
-@BOUNDED
+@FEWER
 @given(domains())
 def test_plans_of_the_planner_are_accepted(case: tuple[ModelManager, Problem]) -> None:
     model, problem = case
@@ -225,7 +254,7 @@ def test_plans_of_the_planner_are_accepted(case: tuple[ModelManager, Problem]) -
         assert check(result.plan, model) == ()
 
 
-@BOUNDED
+@FEWER
 @given(domains(), st.data())
 def test_a_plan_without_one_of_its_constraints_is_accepted_only_if_it_is_implied(
     case: tuple[ModelManager, Problem], data: st.DataObject
