@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any
 
 from planner.constraints.network import Inconsistency, Owner
-from planner.cores import smallest_core
+from planner.cores import Core, smallest_core
 from planner.database import PlanDatabase
 from planner.errors import PlannerError
 from planner.language.nddl.errors import Report
@@ -20,8 +20,10 @@ from planner.search.outcome import Limits
 from planner.tokens.instance import RuleInstance
 from scenarios.explaining.statements import Requirements, chosen_statements, written
 
-_STEPS_AT_LEAST = 2000
+_STEPS_AT_LEAST = 20_000
 _TIMES_AS_MANY = 4
+_SHARE = 0.3
+"""Of the time that is left, how much one trial may take."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +40,10 @@ class Place:
 class Conflict:
     """Statements that leave no plan.
 
-    `minimal`: without any one of them, and with the problem's facts, there is a plan of the others. `through`: the
-    rules by which they meet, at the dead end that the search found nearest to the problem; `dead_end`: that one in
-    words, where no rule had a part in it. `proven`: whether there is a conflict; the limits may have come first.
+    `minimal`: without any one of them, and with the problem's facts, there is a plan of the others; or where they
+    contradict each other `at_once`, before any search, the others do not. `through`: the rules by which they meet, at
+    the dead end that the search found nearest to the problem; `dead_end`: that one in words, where no rule had a part
+    in it. `proven`: whether there is a conflict; the limits may have come first.
     """
 
     statements: tuple[Place, ...]
@@ -48,6 +51,7 @@ class Conflict:
     horizon: tuple[int, int]
     proven: bool
     minimal: bool
+    at_once: bool
     trials: int
     dead_end: str | None = None
 
@@ -62,6 +66,7 @@ class Conflict:
             "horizon": list(self.horizon),
             "proven": self.proven,
             "minimal": self.minimal,
+            "at_once": self.at_once,
             "trials": self.trials,
         }
 
@@ -72,11 +77,12 @@ class Conflict:
             return [f"no part of the problem was proven to have no plan, {horizon} ({self.trials} trials)"]
         if not self.statements:
             return [f"the model alone leaves no plan, {horizon}"]
-        one = len(self.statements) == 1
-        needed = "without it there is a plan of the rest" if one else "without any one of them the others have a plan"
-        open_ = "whether fewer would do is not proven"
-        head = "this statement leaves" if one else "these statements together leave"
-        found = [f"{head} no plan, {horizon}; {needed if self.minimal else open_}:"]
+        head = "this statement leaves" if len(self.statements) == 1 else "these statements together leave"
+        needed = "whether fewer would do is not proven"
+        if self.minimal:
+            needed = "without any one of them there is a plan of the others"
+            needed = "each of them is needed for the contradiction" if self.at_once else needed
+        found = [f"{head} no plan, {horizon}; {needed}:"]
         found += [f"  {s.file}:{s.line}:{s.column}: {s.text}" for s in self.statements]
         found += ["they meet through:", *(f"  {rule}" for rule in self.through)] if self.through else []
         return found if self.dead_end is None else [*found, f"at the dead end nearest to the problem {self.dead_end}"]
@@ -130,7 +136,7 @@ class _Trials:
             self.requirements.program_of(chosen).carry_out(database, Report())
             if not search:
                 return False
-            limits = Limits(self.limits.max_steps, left)
+            limits = Limits(self.limits.max_steps, left * _SHARE)
             outcome = self.engine.search(database, limits, assign_endless, lambda owners: _keep(met, owners))
         except Inconsistency as inconsistency:
             self.met, self.dead_end = database.network.explain(inconsistency), None
@@ -173,32 +179,31 @@ def conflict_of(
     elif core is None:
         core = _failing_part(requirements, trials)
     if core is None:
-        return Conflict((), (), horizon, False, False, trials.count)
-    members, minimal = _smallest(trials, core)
-    statements = chosen_statements(requirements, members)
+        return Conflict((), (), horizon, proven=False, minimal=False, at_once=False, trials=trials.count)
+    first = smallest_core(core, trials.clash) if suspects.at_once else None
+    smallest = _smallest(trials, core if first is None else first.members)
+    at_once = first is not None and (not smallest.minimal or not smallest.members)
+    chosen = first if first is not None and at_once else smallest
+    statements = chosen_statements(requirements, chosen.members)
     places = tuple(Place(s.at.file, s.at.line, s.at.column, written(s)) for s in statements)
     rules = _rules(trials.met)
-    return Conflict(places, rules, horizon, True, minimal, trials.count, trials.dead_end)
+    return Conflict(places, rules, horizon, True, chosen.minimal, at_once, trials.count, trials.dead_end)
 
 
-def _smallest(trials: _Trials, core: Sequence[int]) -> tuple[list[int], bool]:
-    """Few requirements of a core that leave no plan, with the facts that are needed for that, and whether all are."""
+def _smallest(trials: _Trials, core: Sequence[int]) -> Core[int]:
+    """Few requirements of a core that leave no plan, with the facts that are needed for that."""
     wishes = smallest_core([n for n in core if n not in trials.facts], trials.fails)
-    if not wishes.members and core:
-        return list(core), wishes.minimal  # facts that contradict each other, found without any search
     needed = [n for n in trials.facts if trials.fails(wishes.members, without=n) is False]
     trials.fails(wishes.members)  # for what met at its dead end
-    return sorted({*wishes.members, *needed}), wishes.minimal
+    return Core(tuple(sorted({*wishes.members, *needed})), wishes.minimal)
 
 
 def _of_suspects(requirements: Requirements, trials: _Trials, suspects: Suspects) -> list[int] | None:
-    """The statements among the suspects, if they fail on their own; where they contradict each other at once, few."""
+    """The statements among the suspects, if they fail on their own."""
     found = (requirements.number_at(s.statement.at) for s in map(_stated, suspects.owners) if s is not None)
     named = requirements.closed({n for n in found if n is not None})
-    if suspects.at_once:
-        every = list(requirements.numbers)
-        return list(smallest_core(named if trials.clash(named) else every, trials.clash).members)
-    return named if named and trials.fails(named) else None
+    fails = trials.clash if suspects.at_once else trials.fails
+    return named if named and fails(named) else None
 
 
 def _failing_part(requirements: Requirements, trials: _Trials) -> list[int] | None:
