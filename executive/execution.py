@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -56,6 +56,7 @@ class Execution:
         self._journal = journal
         self._statistics = statistics
         self._next: int | None = None
+        self._decided_by: Mapping[int, int] | None = None
         self._place: dict[str, tuple[int, int]] = {}
         self._goals: dict[str, tuple[str, ...]] = {}
         self._wishes = Wishes(network, bindings)
@@ -161,9 +162,12 @@ class Execution:
         performed: list[int] = []
         narrowed: set[int] = set()
         violations = self._make_up(now)
+        if not self._is_due(now):
+            return Happening(violations=tuple(violations))
         while True:
             clock = perf_counter()
             decision = self._dispatcher.next_decision(now, self._wishes.times)
+            self._decided_by = self._wishes.times
             self._statistics.latencies.append(perf_counter() - clock)
             if decision is None or decision.time > now:
                 self._next = None if decision is None else decision.time
@@ -188,6 +192,10 @@ class Execution:
             elif token_id in self._activities.running:
                 over += self._activities.end(token_id, telemetry, now)
         return Happening(self._goals_of(over), tuple(violations), asks)
+
+    def _is_due(self, now: int) -> bool:
+        """Whether there is anything to decide: something has happened since, is wanted otherwise, or it is time."""
+        return self._decided_by is not self._wishes.times or (self._next is not None and now >= self._next)
 
     def held(self) -> Iterable[Maintained]:
         """What running tokens need maintained now."""
@@ -261,6 +269,7 @@ class Execution:
         window = self._dispatcher.window(timepoint)
         name = self._names[timepoint]
         self._journal.write(now, "timepoint.executed", {"timepoint": name, "bounds": list(window)})
+        self._decided_by = None
         clock = perf_counter()
         violation = self._dispatcher.happened(timepoint, now)
         self._statistics.latencies.append(perf_counter() - clock)
