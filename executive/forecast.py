@@ -145,11 +145,13 @@ class Forecaster:
 
     def _pattern(self, host: PlanToken, handover: int) -> TokenPattern:
         """A token of the next problem. One that is running now keeps its true start: what it had to begin with, or how
-        long it may still last, follows from that."""
+        long it may still last, follows from that. It lasts into the horizon, so that what it needs has to last as well.
+        """
         parameters = {name: value for name, value in decided(host).items() if name in host.parameters}
+        lasts = (handover + 1, None)
         run = self.runs.get(host.id)
         if run is None:
-            return TokenPattern(host.predicate, host.object, parameters)
+            return TokenPattern(host.predicate, host.object, parameters, end=lasts)
         began, contingent = (run.started, run.started), True if host.contingent else None
         duration = host.duration if host.contingent else (None, None)
-        return TokenPattern(host.predicate, host.object, parameters, began, (handover, None), duration, contingent)
+        return TokenPattern(host.predicate, host.object, parameters, began, lasts, duration, contingent)

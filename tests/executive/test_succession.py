@@ -361,7 +361,7 @@ def test_what_is_running_goes_on_as_the_remainder() -> None:
     run = fly(plant, plan=remember, wanted=goals("vesta"), step=brings(goals("ceres")[0], 19))
     check_replay(run, bindings())
     running = asked[1].state[1]
-    assert (running.predicate, running.start, running.end) == ("Camera.imaging", (16, 16), (24, None))
+    assert (running.predicate, running.start, running.end) == ("Camera.imaging", (16, 16), (25, None))
     assert (running.duration, running.contingent) == ((20, 40), True)
     assert asked[1].horizon == (24, 120)
     assert [goal.id for goal in asked[1].goals] == ["image-ceres"]
