@@ -1,6 +1,7 @@
 """The three operations of the paper (sections 3 and 4), in any order, any of them undone at any time.
 
-- Insert a token on a timeline: into a slot of its own, or by codesignation with a token that has one.
+- Insert a token on a timeline: into a slot of its own, or by codesignation with a token that has one. A constraint
+  token lies over the slots of its timeline and takes none.
 - Remove it from there: undo its insertion.
 - Modify the domain of a variable: restrict it, and undo the restriction.
 
@@ -17,7 +18,8 @@ The semantics, to which everything here keeps:
    with what is in force stays dormant, with the reason, and is tried again in the same way.
 4. *The order of two tokens of a timeline is fixed when the later of them is inserted*, and never changes as long as
    neither insertion is undone: a token comes after the nearest predecessor it had then that is there now, dormant ones
-   counted as predecessors. The precedences between neighbours follow from that order.
+   counted as predecessors. The precedences between neighbours follow from that order. On which side of a constraint
+   token a value token is, inserting leaves open: that is the domain of a variable.
 5. *A guard whose test is no longer decided withdraws what it made*: its tokens go, and the operations on them become
    dormant.
 6. *A new operation that is inconsistent is refused*: it leaves no trace, and the refusal names the operations, rules

@@ -91,7 +91,8 @@ class Operations:
     # The operations
 
     def insert(self, token: Token | str, object_: ModelObject | str, position: int = 0) -> Operation | Refusal:
-        """Give an open token a slot of its own: before the token at `position` of the object's timeline."""
+        """Give an open token a slot of its own: before the token at `position` of the object's timeline. A constraint
+        token has no position: it lies over whatever slots it meets."""
         found, thing = self._open(token), self._object(object_)
         if found.predicate.exogenous and found.role not in GIVEN:
             raise ValueError(f"{found.name}: no plan brings about {found.predicate.full_name}, expected a host")

@@ -293,6 +293,12 @@ class TokenNetworkManager:
             self.trail.assign(self, "_fired", first)
         return (guard for guard in guards[first:] if not guard.fired)
 
+    def slots_under(self, limit: Token) -> list[Token]:
+        """The hosts of the slots in a row that a constraint token may lie over or touch, as far as bounds can tell."""
+        timeline = self.timeline_of(limit)
+        first, last = timeline.window(limit)
+        return timeline.sequence[first:last]
+
     def open_coverages(self) -> Iterator[Coverage]:
         """The pairs of a constraint token and a value token on which it still depends where they are to each other."""
         return (coverage for coverage in self.coverages if not coverage.is_settled)

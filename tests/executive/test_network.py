@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from executive.network import PlanNetwork, conflict_of
+from planner.constraints.standard import STANDARD
+from planner.language.builder import ModelBuilder
 from planner.plan import FlexiblePlan, PlanConstraint, PlanToken
+from planner.planning import plan as make_plan
 from planner.problem import Goal, Problem, TokenPattern
 from planner.temporal.controllability import check
 from planner.temporal.stnu import Link
@@ -195,4 +198,26 @@ def test_the_elapsed_time_of_what_is_running_is_taken_off() -> None:
     assert links(network, "origin", "t1.start") == [(92, 92, False)]
     assert links(network, "t1.start", "t1.end") == [(8, 40, True)]
     assert network.begun == {"t1": 92}
+    assert check(network.stnu).controllable
+
+
+def test_a_constraint_token_ties_what_it_keeps_apart() -> None:
+    """It is on no timeline; the network has its ends, since the order of other tokens hangs on them."""
+    builder = ModelBuilder("lamps", STANDARD)
+    lamp, stage = builder.timeline("Lamp"), builder.timeline("Stage")
+    dark = lamp.predicate("dark")
+    lamp.predicate("bright", duration=(5, 5))
+    with stage.predicate("play", duration=(10, 20)).requires() as this:
+        this.throughout(dark)
+    for name in ("lamp", "stage"):
+        builder.object(name, name.capitalize())
+    goals = Goal("play", TokenPattern("Stage.play")), Goal("bright", TokenPattern("Lamp.bright"))
+    plan = make_plan(builder.finish(), Problem((0, 60), goals=goals)).plan
+    assert plan is not None
+    network = PlanNetwork.of(plan)
+    kept = next(t.id for t in plan.tokens if t.allowed is not None)
+    lit = next(t.id for t in plan.tokens if t.goal == "bright")
+    play = next(t.id for t in plan.tokens if t.goal == "play")
+    assert links(network, f"{play}.start", f"{kept}.start") == [(0, 0, False)]
+    assert links(network, f"{lit}.end", f"{kept}.start") == [(0, None, False)]
     assert check(network.stnu).controllable

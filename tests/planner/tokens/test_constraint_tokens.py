@@ -102,6 +102,7 @@ def test_a_value_that_overlaps_is_an_allowed_one() -> None:
     # Of an interval only the ends can go, and what is allowed is 0 or 2.
     assert tokens["spinning"].parameters["rate"].domain == Interval(0, 2)
     assert not operations.restrict(tokens["spinning"].parameters["rate"], Interval(1, 1))
+    assert [t.name for t in database.tokens.slots_under(tokens["limit0"])] == ["inside", "spinning", "outside"]
     operations.undo(limiting)
     assert list(tokens["inside"].parameters["target"].domain.values()) == ["earth", "Ida", "Gaspra"]
     assert tokens["spinning"].parameters["rate"].domain == Interval(0, 9)
