@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -36,6 +37,9 @@ Includes = Annotated[list[Path] | None, typer.Option("-I", "--include", help="Lo
 Procedures = Annotated[
     list[str] | None,
     typer.Option(metavar="FILE.py|MODULE", help="Constraint procedures of the model's own; can be repeated."),
+]
+Drawing = Annotated[
+    Path | None, typer.Option("--svg", metavar="FILE", help="Draw the plan's timelines and constraints here.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output and nothing else there.")]
 
@@ -185,7 +189,7 @@ def plan_problem(
     explain: Annotated[
         bool, typer.Option("--explain", help="Say why each token is there, or which statements leave no plan.")
     ] = False,
-    svg: Annotated[Path | None, typer.Option(help="Draw the plan's timelines and constraints here.")] = None,
+    svg: Drawing = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan one problem."""
@@ -221,18 +225,22 @@ def check_plan(
     problem: Annotated[str, typer.Argument(help="What the plan is for: a scenario's name, a .toml or an .nddl file.")],
     include: Includes = None,
     procedures: Procedures = None,
+    svg: Drawing = None,
     as_json: AsJson = False,
 ) -> None:
     """Judge a plan independently of the planner: every violated requirement by name."""
     from planner.plan import FlexiblePlan
     from scenarios.config import load
+    from scenarios.drawing.svg import save
     from scenarios.judging import violations_against, violations_of
+    from scenarios.plan_verb import write_file
 
     judged = FlexiblePlan.load(plan)
     if problem.endswith(".nddl"):
         violations = violations_against(judged, Path(problem), include or (), procedures or ())
     else:
         violations = violations_of(judged, load(problem))
+    write_file("--svg", svg, partial(save, judged))
     if as_json:
         rows = [{"kind": v.kind, "tokens": list(v.tokens), "explanation": v.explanation} for v in violations]
         print(json.dumps({"valid": not violations, "violations": rows}))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -129,14 +129,19 @@ def plan_file(
 
 def write_files(answer: PlanAnswer, out: Path | None, svg: Path | None) -> None:
     """Write the plan file and the drawing that are asked for, if there is a plan; ScenarioError when one cannot be."""
-    if answer.plan is None:
+    if answer.plan is not None:
+        write_file("--out", out, answer.plan.save)
+        write_file("--svg", svg, partial(save_drawing, answer.plan))
+
+
+def write_file(option: str, path: Path | None, save: Callable[[Path], None]) -> None:
+    """Write the file that an option names, if it does; ScenarioError when it cannot be written."""
+    if path is None:
         return
-    for option, path, save in (("--out", out, answer.plan.save), ("--svg", svg, partial(save_drawing, answer.plan))):
-        if path is not None:
-            try:
-                save(path)
-            except OSError as error:
-                raise ScenarioError(f"{option} {path}: {error.strerror}") from error
+    try:
+        save(path)
+    except OSError as error:
+        raise ScenarioError(f"{option} {path}: {error.strerror}") from error
 
 
 def _load_kernel() -> None:

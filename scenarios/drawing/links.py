@@ -55,9 +55,10 @@ def _constraints(plan: FlexiblePlan, layout: Layout) -> Iterator[Link]:
         low, high = constraint.min, constraint.max
         if high is not None and high <= 0 and (low is None or low < 0):  # read it the other way round
             ends, low, high = ends[::-1], -high, None if low is None else -low
-        (lane, box), (other_lane, other) = (layout.by_token[end.partition(".")[0]] for end in ends)
-        if box is other:
+        found = [layout.by_token[name] for end in ends if (name := end.partition(".")[0]) in layout.by_token]
+        if len(found) < 2 or found[0][1] is found[1][1]:
             continue
+        (lane, box), (other_lane, other) = found
         linked.add(frozenset((id(box), id(other))))
         if _goes_without_saying(lane == other_lane and layout.lanes[lane].ordered, box, other, ends, (low, high)):
             continue

@@ -166,6 +166,21 @@ def test_reviewing_what_is_no_run(tmp_path: Path, verb: tuple[str, str]) -> None
 def test_checking_what_is_no_plan(tmp_path: Path, content: str, complaint: str) -> None:
     (tmp_path / "plan.json").write_text(content)
     refused(tmp_path, complaint, "check", tmp_path / "plan.json", "opnav-12h")
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        (("--procedures", "nothing.py"), "procedures nothing.py: expected a Python file, found none"),
+        (("--procedures", "no.such.module"), "No module named 'no'"),
+        (("--svg", "missing/plan.svg"), "--svg missing/plan.svg: No such file or directory"),
+        (("--svg", "."), "--svg .: Is a directory"),
+        (("--out", ""), "--out .: Is a directory"),
+    ],
+)
+def test_planning_with_options_that_lead_nowhere(tmp_path: Path, options: tuple[str, str], complaint: str) -> None:
+    (tmp_path / "x.nddl").write_text("int x;")
+    refused(tmp_path, complaint, "plan", tmp_path / "x.nddl", *options)
     refused(tmp_path, "No such file", "check", tmp_path / "none.json", "opnav-12h")
 
 

@@ -182,3 +182,13 @@ def test_the_command_draws(tmp_path: Path) -> None:
     assert found.exit_code == 0
     assert "shining" in target.read_text(encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["plan.svg"]
+
+
+def test_the_judge_draws_what_it_judges(tmp_path: Path) -> None:
+    plan, target = tmp_path / "plan.json", tmp_path / "plan.svg"
+    runner, model = CliRunner(), str(EXAMPLES / "light_switch.nddl")
+    assert runner.invoke(app, ["plan", model, "--out", str(plan), "--svg", str(target)]).exit_code == 0
+    drawn = target.read_text(encoding="utf-8")
+    target.unlink()
+    assert runner.invoke(app, ["check", str(plan), model, "--svg", str(target)]).exit_code == 0
+    assert target.read_text(encoding="utf-8") == drawn
