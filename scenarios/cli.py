@@ -69,11 +69,10 @@ def list_scenarios(as_json: AsJson = False) -> None:
 
 @app.command("faults")
 def list_faults(as_json: AsJson = False) -> None:
-    """The faults that the spacecraft can have."""
-    from sim import FAULTS
+    """The faults that the spacecraft can have, with their parameters."""
+    from scenarios.faults import table_of_faults
 
-    rows = [{"name": fault.name, "component": fault.component, "summary": fault.meaning} for fault in FAULTS.values()]
-    _print_rows(rows, ("name", "summary"), as_json)
+    _print_rows(table_of_faults(), ("name", "summary"), as_json)
 
 
 @app.command("engines")
@@ -122,7 +121,7 @@ def run_scenario(
     if fault and no_faults:
         raise ScenarioError("--fault and --no-faults contradict each other")
     loaded = load(scenario)
-    faults = chosen_faults(loaded, [] if no_faults else fault)
+    faults = chosen_faults(loaded, [] if no_faults else fault, seed)
     with progress_bar(loaded.name, loaded.horizon, as_json) as (progress, warn), interruptible() as check:
         from scenarios.folder import folder_to_resume, new_folder
         from scenarios.report import write_report

@@ -16,7 +16,7 @@ from planner.errors import nearest
 from planner.problem import Goal, TokenPattern
 from scenarios.errors import ScenarioError
 from scenarios.times import seconds_of
-from sim import FAULTS, ConfigurationError, SpacecraftConfig
+from sim import FAULTS, ConfigurationError, FaultRate, SpacecraftConfig
 from sim.faults import FaultSchedule
 
 LONGEST_S = 366 * 86_400
@@ -92,6 +92,29 @@ class FaultSection(_Section):
         return self
 
 
+class FaultRateSection(_Section):
+    """A fault that comes by chance: mean time between, ranges of its parameters and of how long it lasts."""
+
+    name: str
+    mean_between: Seconds = Field(gt=0)
+    parameters: dict[str, tuple[Number, Number]] = {}
+    lasting: tuple[Seconds, Seconds] | None = None
+
+    @model_validator(mode="after")
+    def _is_known(self) -> FaultRateSection:
+        if self.name not in FAULTS:
+            raise ValueError(f"name: there is no fault named {self.name!r}{nearest(self.name, FAULTS)}")
+        try:
+            self.rate()
+        except ConfigurationError as error:
+            raise ValueError(str(error)) from error
+        return self
+
+    def rate(self) -> FaultRate:
+        """The rate as the simulator draws from it."""
+        return FaultRate(self.name, self.mean_between, self.parameters, self.lasting)
+
+
 class ExpectSection(_Section):
     """The least outcome that the scenario promises, without faults and with its own."""
 
@@ -122,6 +145,7 @@ class Scenario(_Section):
     waypoints: tuple[Seconds, ...] = ()
     goals: tuple[GoalSection, ...] = ()
     faults: tuple[FaultSection, ...] = ()
+    fault_rates: tuple[FaultRateSection, ...] = ()
 
     @model_validator(mode="after")
     def _is_whole(self) -> Scenario:

@@ -6,6 +6,7 @@
 from sim.components.terminal import Acknowledgement
 from sim.config import SpacecraftConfig, Target
 from sim.errors import ConfigurationError, RenderingUnavailable, SimulationError, SimulatorError
+from sim.fault_rates import FaultRate, draw_faults
 from sim.faults import FAULTS, random_faults
 from sim.spacecraft import RecordedState, Spacecraft
 
@@ -13,6 +14,7 @@ __all__ = [
     "FAULTS",
     "Acknowledgement",
     "ConfigurationError",
+    "FaultRate",
     "RecordedState",
     "RenderingUnavailable",
     "SimulationError",
@@ -20,5 +22,6 @@ __all__ = [
     "Spacecraft",
     "SpacecraftConfig",
     "Target",
+    "draw_faults",
     "random_faults",
 ]

@@ -40,13 +40,14 @@ class FaultParameter:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A row of the table."""
+    """A row of the table. `lasts`: without an end it stays; otherwise it happens and is over, and may happen again."""
 
     name: str
     component: str
     mode: str
     meaning: str
     parameters: tuple[FaultParameter, ...] = ()
+    lasts: bool = True
 
 
 _TABLE = (
@@ -59,7 +60,14 @@ _TABLE = (
         (FaultParameter("factor", 3.0, 1.0, 100.0, "times the healthy duration"),),
     ),
     Fault("ips-start-fails", "ips", "start_blocked", "the ion engine's start never reaches ready"),
-    Fault("ips-recycle", "ips", "recycle", "the ion engine breaks off thrusting by itself, once, and stays ready"),
+    Fault(
+        "ips-recycle",
+        "ips",
+        "recycle",
+        "the ion engine breaks off thrusting by itself and stays ready, or goes on by itself after a time",
+        (FaultParameter("seconds", 0.0, 0.0, 3600.0, "until it goes on by itself; 0: it does not"),),
+        lasts=False,
+    ),
     Fault("gimbal-x-stuck", "gimbals", "stuck_x", "the ion engine's gimbal about X stays where it is"),
     Fault("gimbal-y-stuck", "gimbals", "stuck_y", "the ion engine's gimbal about Y stays where it is"),
     Fault("ips-terminal-hung", "terminal.ips", "hung", "commands to the ion engine get no answer and do nothing"),
@@ -110,6 +118,21 @@ _TABLE = (
         "array_loss",
         "the solar array gives a fraction of its power",
         (FaultParameter("factor", 0.8, 0.0, 1.0, "fraction of the healthy power"),),
+    ),
+    Fault("wing-drives-stuck", "wings", "stuck", "the solar wings stay at the angle that they have"),
+    Fault("radio-transmitter-fails", "radio", "silent", "the transmitter goes off and does not come on"),
+    Fault(
+        "radio-degraded",
+        "radio",
+        "slow",
+        "the downlink runs at a fraction of its rate",
+        (FaultParameter("factor", 0.5, 0.01, 1.0, "fraction of the healthy rate"),),
+    ),
+    Fault("acs-terminal-hung", "terminal.acs", "hung", "commands to the attitude control get no answer, do nothing"),
+    Fault("pdu-terminal-hung", "terminal.pdu", "hung", "commands to the power unit get no answer and do nothing"),
+    *(
+        Fault(f"thruster-{name}-open", "rcs", f"open_{name}", f"the valve of thruster {name.upper()} does not close")
+        for name in NAMES
     ),
     Fault("recorder-stuck", "recorder", "stuck", "the recorder takes no more frames: images are lost"),
     Fault(

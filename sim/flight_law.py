@@ -104,6 +104,8 @@ def actuate(e: Memory, r: Memory, w: Memory, h: Memory, dt_s: float, tx: float, 
         thrusters.fire(r, dt_s, tx, ty, tz)
         wheels.allocate(w, dt_s, 0.0, 0.0, 0.0)
         return
+    if r[thrusters.LEAKS] != 0.0 and charge == WITH_WHEELS:
+        thrusters.push(r, dt_s)
     if charge == UNLOADING:
         unload(e, r, w, dt_s)
         t = thrusters.TORQUE

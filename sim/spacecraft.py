@@ -374,6 +374,7 @@ class Spacecraft:
             "wheels": self._wheels,
             "ips": self._engine,
             "gimbals": self._gimbals,
+            "wings": self._wings,
             "micas": self._camera,
             "power": self._power,
             "radio": self._radio,

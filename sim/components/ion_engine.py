@@ -84,6 +84,7 @@ class IonEngine:
         self._generator = generator
         self._left_s = 0.0
         self._start_blocked = False
+        self._after_recycle: ThrottlePoint | None = None
         self._point: ThrottlePoint | None = None
         self._idle_power_W = {
             "standby": 0.0,
@@ -101,8 +102,8 @@ class IonEngine:
 
     @property
     def busy(self) -> bool:
-        """Time changes its state: starting or stopping."""
-        return self.state in ("starting", "stopping")
+        """Time changes its state: starting, stopping, or in a recycle that ends by itself."""
+        return self.state in ("starting", "stopping") or self._after_recycle is not None
 
     @property
     def level(self) -> int:
@@ -148,13 +149,16 @@ class IonEngine:
             return f"ips.thrust needs state ready or thrusting, found {self.state}"
         if self.xenon_kg <= 0.0:
             return "ips.thrust needs xenon, found none left"
+        if self._after_recycle is not None:
+            self._after_recycle = THROTTLE_TABLE[level]
+            return None
         self._feed(THROTTLE_TABLE[level])
         self.state = "thrusting"
         return None
 
     def idle(self) -> str | None:
         """High voltage off, discharge kept: thrusting -> ready."""
-        if self.state != "thrusting":
+        if self.state != "thrusting" and self._after_recycle is None:
             return f"ips.idle needs state thrusting, found {self.state}"
         self._feed(None)
         self.state = "ready"
@@ -183,6 +187,12 @@ class IonEngine:
             self._left_s -= dt_s
             if self._left_s <= 0.0:
                 self.state = "ready"
+        elif self._after_recycle is not None:
+            self._left_s -= dt_s
+            if self._left_s <= 0.0:
+                point = self._after_recycle
+                self._feed(point)
+                self.state = "thrusting"
         elif self.state == "stopping":
             self._left_s -= dt_s
             if self._left_s <= 0.0:
@@ -195,6 +205,7 @@ class IonEngine:
 
     def _feed(self, point: ThrottlePoint | None) -> None:
         self._point = point
+        self._after_recycle = None
         self.memory[BURNING] = 0.0 if point is None else 1.0
         self.memory[FLOW_KG_S] = 0.0 if point is None else point.flow_kg_s
 
@@ -208,11 +219,17 @@ class IonEngine:
         }
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`start_blocked`: the discharge does not light, starting never ends. `recycle`: thrusting breaks off, once."""
-        del parameters
+        """`start_blocked`: the discharge does not light, starting never ends.
+
+        `recycle`: thrusting breaks off. After `seconds`, if that is not 0, the high voltage comes back by itself, at
+        the level that it had or that was commanded meanwhile.
+        """
         if mode == "recycle":
-            if active and self._point is not None:
+            point = self._point
+            if active and point is not None:
                 self.idle()
+                if parameters.get("seconds", 0.0) > 0.0:
+                    self._after_recycle, self._left_s = point, parameters["seconds"]
         elif mode == "start_blocked":
             self._start_blocked = active
         else:

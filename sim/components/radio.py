@@ -75,6 +75,8 @@ class Radio:
     def __init__(self, config: SpacecraftConfig) -> None:
         self._rate_Mbit_s = config.downlink_Mbit_s
         self._power_W = {"off": 0.0, "on": config.radio_on_W, "downlinking": config.radio_downlinking_W}
+        self._silent = False
+        self._factor = 1.0
         self.state = "off"
 
     def __repr__(self) -> str:
@@ -89,7 +91,7 @@ class Radio:
         """Transmitter on or off; off ends a downlink."""
         if not on:
             self.state = "off"
-        elif self.state == "off":
+        elif self.state == "off" and not self._silent:
             self.state = "on"
         return None
 
@@ -107,13 +109,19 @@ class Radio:
     @property
     def rate_Mbit_s(self) -> float:
         """What it sends while playing the recorder."""
-        return self._rate_Mbit_s if self.state == "downlinking" else 0.0
+        return self._factor * self._rate_Mbit_s if self.state == "downlinking" else 0.0
 
     def telemetry(self) -> dict[str, str]:
         """The state."""
         return {"radio.state": self.state}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """No failure modes yet."""
-        del active, parameters
-        refuse_fault(self, mode)
+        """`silent`: the transmitter is off and stays so. `slow`: the downlink runs at `factor` of its rate."""
+        if mode == "silent":
+            self._silent = active
+            if active:
+                self.state = "off"
+        elif mode == "slow":
+            self._factor = parameters["factor"] if active else 1.0
+        else:
+            refuse_fault(self, mode)

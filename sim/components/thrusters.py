@@ -35,7 +35,8 @@ ON, WORKS, SIGNS, CARRY = 0, 8, 16, 40
 TORQUE, FORCE = 43, 46
 FORCE_N, LEVER_M, MINIMUM_S, FLOW_KG_S = 49, 50, 51, 52
 USED_KG, LEFT_KG, POWERED, Z_FOR_Y = 53, 54, 55, 56
-SIZE = 57
+STUCK_OPEN, LEAKS = 57, 65
+SIZE = 66
 
 
 @compiled
@@ -56,12 +57,20 @@ def fire(m: Memory, dt_s: float, tx: float, ty: float, tz: float) -> None:
         for k in range(first, first + 4):
             if m[SIGNS + 3 * k + axis] * wanted > 0.0:
                 m[ON + k] = min(dt_s, m[ON + k] + on_s)
+    push(m, dt_s)
+
+
+@compiled
+def push(m: Memory, dt_s: float) -> None:
+    """Torque and force of the valves that are open in the next `dt_s`, and what they use."""
     for axis in range(3):
         m[TORQUE + axis] = m[FORCE + axis] = 0.0
-    if m[POWERED] == 0.0 or m[LEFT_KG] <= 0.0:
+    if m[LEFT_KG] <= 0.0:
         return
     for k in range(8):
-        share = m[WORKS + k] * m[ON + k] / dt_s
+        share = m[WORKS + k] * m[POWERED] * m[ON + k] / dt_s
+        if m[STUCK_OPEN + k] != 0.0:
+            share = 1.0
         for axis in range(3):
             m[TORQUE + axis] += share * m[FORCE_N] * m[LEVER_M] * m[SIGNS + 3 * k + axis]
         m[FORCE if k < 4 else FORCE + 2] += share * (-m[FORCE_N] if k < 4 else m[FORCE_N])
@@ -116,9 +125,15 @@ class Thrusters:
         return {"rcs.mode": self.mode}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
-        """`closed_` and a thruster of `NAMES`: its valve does not open."""
+        """`closed_`, `open_` and a thruster of `NAMES`: its valve does not open, or does not close."""
         del parameters
         kind, _, name = mode.partition("_")
-        if kind != "closed" or name not in NAMES:
+        if kind not in ("closed", "open") or name not in NAMES:
             refuse_fault(self, mode)
-        self.memory[WORKS + NAMES.index(name)] = 0.0 if active else 1.0
+        if kind == "closed":
+            self.memory[WORKS + NAMES.index(name)] = 0.0 if active else 1.0
+        else:
+            self.memory[STUCK_OPEN + NAMES.index(name)] = 1.0 if active else 0.0
+            self.memory[LEAKS] = float(self.memory[STUCK_OPEN : STUCK_OPEN + 8].any())
+            if not self.memory[LEAKS]:
+                close(self.memory)

@@ -6,6 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scenarios.config import parse
+from scenarios.errors import ScenarioError
+from scenarios.faults import chosen_faults
 from scenarios.recording.boards import HeaderLane
 from scenarios.times import clock, seconds_of
 from scenarios.words import Reasons, in_words, most_like
@@ -82,3 +85,27 @@ def test_what_is_detected_is_matched_by_the_words_it_shares() -> None:
     assert most_like(["neb1-status-false", "micas-stuck-on"], "micas.switch stuck_on") == "micas-stuck-on"
     assert most_like(["a", "b"], "nothing in common", None) == "a"
     assert most_like([], "anything") is None
+
+
+def test_faults_at_rates_are_drawn_from_the_seed() -> None:
+    text = """
+name = "chance"
+summary = "s"
+horizon = "3d"
+[[fault_rates]]
+name = "ips-recycle"
+mean_between = "14h24m"
+parameters = { seconds = [60, 240] }
+[[fault_rates]]
+name = "star-tracker-fails"
+mean_between = "1d"
+lasting = ["10m", "20m"]
+"""
+    scenario = parse(text, "chance.toml")
+    drawn = chosen_faults(scenario, None, seed=3)
+    assert {fault.name for fault in drawn} == {"ips-recycle", "star-tracker-fails"}
+    assert drawn == chosen_faults(scenario, None, seed=3)
+    assert drawn != chosen_faults(scenario, None, seed=4)
+    assert chosen_faults(scenario, []) == ()
+    with pytest.raises(ScenarioError, match=r"chance.toml: fault_rates\[0\].*expected parameters seconds"):
+        parse(text.replace("seconds =", "minutes ="), "chance.toml")
