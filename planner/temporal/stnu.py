@@ -96,13 +96,15 @@ class Stnu:
     def load(cls, path: Path) -> Stnu:
         """Read a network file; NetworkFormatError says the file and the field, or the line and column."""
         try:
-            content = json.loads(path.read_text("utf-8"), parse_float=Decimal)
+            content = json.loads(path.read_text("utf-8"), parse_float=Decimal, object_pairs_hook=_object)
         except OSError as error:
             raise NetworkFormatError(f"{path}: {error.strerror}") from error
         except UnicodeDecodeError as error:
             raise NetworkFormatError(f"{path}: not UTF-8 text at byte {error.start}") from error
         except json.JSONDecodeError as error:
             raise NetworkFormatError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from error
+        except NetworkFormatError as error:
+            raise NetworkFormatError(f"{path}: {error}") from error
         except RecursionError as error:
             raise NetworkFormatError(f"{path}: nested too deeply to be a network") from error
         except ValueError as error:  # the interpreter's limit on the digits of a whole number
@@ -131,6 +133,16 @@ class Stnu:
                 for link in self.links
             ],
         }
+
+
+def _object(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """A JSON object; of a field that is there twice one would silently win."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise NetworkFormatError(f"the field {twice!r} is there twice in {content!s:.80}")
+    return content
 
 
 def _list(content: dict[str, object], name: str) -> list[object]:

@@ -110,6 +110,10 @@ def test_refuses_with_the_place(content: object, message: str) -> None:
         (b'{"timepoints": [],\n "constraints": }', ":2:17: not JSON"),
         (b"\xff", ": not UTF-8 text at byte 0"),
         (b"[" * 100_000, ": nested too deeply"),
+        (
+            b'{"timepoints": ["a","b"], "constraints": [{"from":"a","to":"b","max":1,"max":9}]}',
+            ": the field 'max' is there twice in {'from': 'a'",
+        ),
         (b'{"timepoints": [], "constraints": [' + b"9" * 5000 + b"]}", ": a number is too long"),
         (
             b'{"timepoints": ["a","b"], "constraints": [{"from":"a","to":"b","min":NaN}]}',
