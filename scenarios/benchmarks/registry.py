@@ -27,7 +27,7 @@ class Benchmark:
 BENCHMARKS = {
     benchmark.name: benchmark
     for benchmark in (
-        Benchmark("planner", "undoing operations of a plan, in and out of order", ("operations",)),
+        Benchmark("planner", "planning problems that grow, memory, operations undone", ("planner", "operations")),
         Benchmark("temporal", "the temporal network against a native loop", ("temporal",)),
         Benchmark("executive", "controllability checks, decisions, the dispatcher's share of a run", ("executive",)),
         Benchmark("sim", "the closed loop against the same physics in one C call", ("sim",)),
