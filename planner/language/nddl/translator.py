@@ -250,6 +250,8 @@ class Translator:
             found = self.scope.meaning(node.path, node.at)
             if isinstance(found, VariableMeaning) and self.symbols.base(found.type) != "bool":
                 return "eq", (found.ref, found.ref)
+            if isinstance(found, ValueMeaning) and is_number(found.value):
+                return "eq", (rules.Constant(found.value), rules.Constant(found.value))
         return "eq", (self.truth(node), rules.Constant(True))
 
     def _only_argument(self, node: Call) -> Expression:
