@@ -14,11 +14,12 @@ from planner.extraction import extract
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, SearchStatistics
+from planner.repair import Complaint, refusal_of
 from planner.search.engines import ENGINES, Search
-from planner.search.outcome import Limits, Outcome
+from planner.search.outcome import Limits, Outcome, Refusal
 
-Acceptance = Callable[[FlexiblePlan], bool]
-"""Judges a complete plan beyond the model, for example whether it is dynamically controllable."""
+Acceptance = Callable[[FlexiblePlan], Complaint | None]
+"""Judges a complete plan beyond the model, for example whether it is dynamically controllable: None when it is good."""
 
 
 _STATED = re.compile(r"\b(?:state|fact) \d+ \(([^()]+)\)")
@@ -131,13 +132,14 @@ class _Planning:
             database.state(goal.token, goal.id, "goal")
         database.network.propagate()
 
-    def _acceptance(self, accepted: list[FlexiblePlan]) -> Callable[[PlanDatabase], bool]:
-        def judge(database: PlanDatabase) -> bool:
+    def _acceptance(self, accepted: list[FlexiblePlan]) -> Callable[[PlanDatabase], Refusal | None]:
+        def judge(database: PlanDatabase) -> Refusal | None:
             found = extract(database)
-            if self.accept is not None and not self.accept(found):
-                return False
+            complaint = None if self.accept is None else self.accept(found)
+            if complaint is not None:
+                return refusal_of(database, complaint)
             accepted.append(found)
-            return True
+            return None
 
         return judge
 
@@ -160,4 +162,6 @@ def _plain(name: str) -> str:
 
 def _reason(outcome: Outcome) -> str:
     verdict = "no plan exists" if outcome.exhausted else f"no plan found in {outcome.steps} steps"
+    if outcome.refusal is not None:
+        return f"{verdict} that is good enough; the latest was refused: {outcome.refusal}"
     return verdict if outcome.conflict is None else f"{verdict}; in conflict: {outcome.conflict[1]}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
 
+from executive.network import conflict_of as uncontrollable
 from planner.constraints.network import Inconsistency, Owner
 from planner.constraints.user import registry_with
 from planner.database import PlanDatabase
@@ -20,10 +21,11 @@ from planner.language.nddl.program import Program, is_plain_declaration
 from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.rationale import rationale
+from planner.repair import refusal_of
 from planner.search.collector import patient_collector
 from planner.search.endless import assign_endless
 from planner.search.engines import ENGINES
-from planner.search.outcome import Limits, Outcome
+from planner.search.outcome import Limits, Outcome, Refusal
 from planner.temporal.network import TemporalNetworkManager
 from scenarios.drawing.svg import save as save_drawing
 from scenarios.errors import ScenarioError
@@ -180,7 +182,7 @@ class _Planning:
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = ENGINES[self.engine].search(database, limits, assign_endless, self._dead_end)
+            outcome = ENGINES[self.engine].search(database, limits, self._judge, self._dead_end)
         except Inconsistency as inconsistency:
             conflict = database.network.explain(inconsistency)
             self.suspects = Suspects(tuple(conflict), at_once=True)
@@ -188,6 +190,14 @@ class _Planning:
         solving = perf_counter()
         loaded = loaded or solving
         return self.answer(outcome, conflict, loaded - started, solving - loaded)
+
+    def _judge(self, database: PlanDatabase) -> Refusal | None:
+        """Where nature decides durations, a plan has to hold whatever they turn out to be."""
+        assign_endless(database)
+        if not any(token.contingent for token in database.tokens.tokens):
+            return None
+        conflict = uncontrollable(extract(database))
+        return None if conflict is None else refusal_of(database, conflict)
 
     def _dead_end(self, owners: Sequence[Owner]) -> str:
         """Note who met at the dead end that is nearest to the problem so far, and say it."""
@@ -244,4 +254,6 @@ def _reason(outcome: Outcome, conflict: Sequence[Owner]) -> str:
     if conflict:
         return "the initial state is inconsistent: " + _described(conflict)
     verdict = "no plan exists" if outcome.exhausted else f"no plan found within the limits ({outcome.steps} steps)"
+    if outcome.refusal is not None:
+        return f"{verdict} that holds whatever nature decides; in conflict: {outcome.refusal}"
     return verdict if outcome.conflict is None else f"{verdict}; in conflict: {outcome.conflict[1]}"

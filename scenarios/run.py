@@ -13,7 +13,7 @@ from typing import Any
 
 from executive.executive import Executive
 from executive.journal import Journal
-from executive.network import PlanNetwork
+from executive.network import PlanNetwork, conflict_of
 from executive.port import Plant
 from executive.records import AdoptedPlan, Settings
 from executive.resume import Continuation, planner_of
@@ -124,7 +124,7 @@ class Flight:
 
     def think(self, problem: Problem) -> PlanningResult:
         """The planner as the executive calls it: only dynamically controllable plans are good."""
-        return plan(self.model, problem, PLANNING_LIMITS, is_controllable)
+        return plan(self.model, problem, PLANNING_LIMITS, conflict_of)
 
     def tell_faults(self, second: int, journal: Journal) -> None:
         """Journal the scripted faults that begin now, before the executive's own step."""

@@ -12,7 +12,7 @@ from planner.search.collector import patient_collector
 from planner.search.culprits import Culprits
 from planner.search.decisions import Decision
 from planner.search.depth_first import DepthFirst, Frame
-from planner.search.outcome import Acceptance, Description, Limits, Outcome
+from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
 
 
 def search(
@@ -38,8 +38,9 @@ class _Backjumping(DepthFirst):
         self.chosen: list[Decision] = []
         self.culprits = Culprits(database, self.places)
 
-    def refused(self) -> bool:
-        return self.jump(self.culprits.everything())
+    def refused(self, refusal: Refusal) -> bool:
+        owners = refusal.owners
+        return self.jump(self.culprits.everything() if owners is None else self.culprits.of(owners))
 
     def advance(self) -> bool:
         while self.stack:

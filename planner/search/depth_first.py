@@ -13,7 +13,7 @@ from planner.database import PlanDatabase
 from planner.search.collector import Collector
 from planner.search.decisions import Decision
 from planner.search.flaws import Flaw, next_flaw
-from planner.search.outcome import Acceptance, Description, Limits, Outcome
+from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
 
 
 @dataclass(slots=True)
@@ -48,7 +48,7 @@ class DepthFirst(ABC):
     def advance(self) -> bool:
         """Take the next consistent decision, undoing as far as needed; False at the end of search or of limits."""
 
-    def refused(self) -> bool:
+    def refused(self, refusal: Refusal) -> bool:
         """A complete plan was refused; False when that ends the search."""
         return True
 
@@ -59,11 +59,12 @@ class DepthFirst(ABC):
             found = next_flaw(self.database)
             going_on = True
             if found is None:
-                if self.accept is None or self.accept(self.database):
+                refusal = None if self.accept is None else self.accept(self.database)
+                if refusal is None:
                     self.outcome.complete = True
                     return self.outcome
-                self.outcome.note(len(self.stack), lambda: "a complete plan was refused")
-                going_on = self.refused()
+                self.outcome.refusal = refusal.text
+                going_on = self.refused(refusal)
             else:
                 flaw, decisions = found
                 first = list(islice(decisions, 1))

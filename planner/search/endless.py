@@ -14,17 +14,19 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.search.flaws import next_flaw
 
+ARBITRARY = "a value for what the plan leaves open"
+"""The owner of such an assignment."""
 
-def assign_endless(database: PlanDatabase) -> bool:
+
+def assign_endless(database: PlanDatabase) -> None:
     """Give each number that a complete plan leaves open the first value tried that keeps the plan complete.
 
-    Always true, as an acceptance of a search: a number for which none of the few values tried is right stays open.
+    As an acceptance of a search it refuses nothing: a number for which none of the values tried is right stays open.
     """
     for variable in list(database.tokens.still_undecided()):
         domain = variable.domain
         if isinstance(domain, Interval) and not domain.is_singleton:
             any(_assigned(database, variable, value) for value in _values(domain))
-    return True
 
 
 def _assigned(database: PlanDatabase, variable: Variable, value: float) -> bool:
@@ -32,7 +34,7 @@ def _assigned(database: PlanDatabase, variable: Variable, value: float) -> bool:
     tokens = database.tokens
     before, level = (len(tokens.tokens), len(tokens.undecided)), database.trail.push()
     try:
-        database.network.restrict(variable, Interval(value, value, integer), "a value for what the plan leaves open")
+        database.network.restrict(variable, Interval(value, value, integer), ARBITRARY)
         database.network.propagate()
         if (len(tokens.tokens), len(tokens.undecided)) == before or next_flaw(database) is None:
             return True

@@ -6,9 +6,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from planner.constraints.network import Owner
 from planner.database import PlanDatabase
 
-Acceptance = Callable[[PlanDatabase], bool]
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why a complete plan is not good enough, for people. `owners`: those of constraints that no plan which contains
+    them all can be accepted with; None where that is not known."""
+
+    text: str
+    owners: tuple[Owner, ...] | None = None
+
+
+Acceptance = Callable[[PlanDatabase], Refusal | None]
 """Judges a complete plan; one that it refuses is a dead end."""
 Description = Callable[[list[Any]], str]
 """Makes text of an explanation: the owners of what is in conflict."""
@@ -26,7 +37,8 @@ class Limits:
 class Outcome:
     """What the search found. `complete`: the database holds a complete plan. `exhausted`: there is none.
 
-    `conflict`: what stood in the way nearest to the problem, and how many decisions deep that was.
+    `conflict`: what stood in the way nearest to the problem, and how many decisions deep that was. `refusal`: why the
+    latest complete plan was refused.
     """
 
     complete: bool = False
@@ -34,6 +46,7 @@ class Outcome:
     steps: int = 0
     backtracks: int = 0
     conflict: tuple[int, str] | None = None
+    refusal: str | None = None
 
     def note(self, depth: int, describe: Callable[[], str]) -> None:
         """Keep a dead end if it is nearer to the problem than the one kept so far; only then is it described."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 
 import pytest
 
@@ -12,11 +13,20 @@ from planner.domains import Interval
 from planner.errors import ModelError, ProblemError
 from planner.language.builder import ModelBuilder
 from planner.model.manager import ModelManager
-from planner.plan import FlexiblePlan, PlanToken
+from planner.plan import FlexiblePlan, PlanConstraint, PlanToken
 from planner.planning import plan
 from planner.problem import Goal, PlanningResult, Problem, TokenPattern
 from planner.search.outcome import Limits
 from tests.planner.domains_small import camera_model, rover_model
+
+
+@dataclass(frozen=True)
+class NotGood:
+    """A complaint that does not say what is to blame."""
+
+    text: str
+    tokens: tuple[str, ...] = ()
+    constraints: tuple[PlanConstraint, ...] = ()
 
 
 def solved(result: PlanningResult) -> FlexiblePlan:
@@ -181,26 +191,26 @@ def test_what_may_lie_outside_the_horizon_stays_out_of_the_plan() -> None:
 def test_an_acceptance_that_refuses_all_plans() -> None:
     seen: list[FlexiblePlan] = []
 
-    def never(found: FlexiblePlan) -> bool:
+    def never(found: FlexiblePlan) -> NotGood:
         seen.append(found)
-        return False
+        return NotGood("never good")
 
     result = plan(camera_model(), Problem((0, 40)), accept=never)
     assert result.plan is None
     assert result.reason is not None
     assert result.reason.startswith("no plan exists")
-    assert "complete plan was refused" in result.reason
+    assert "never good" in result.reason
     assert len(seen) == 1
 
 
 def test_an_acceptance_that_wants_another_plan() -> None:
-    def ida_second(found: FlexiblePlan) -> bool:
+    def ida_second(found: FlexiblePlan) -> NotGood | None:
         order = [t.goal for t in found.hosts() if t.predicate == "Camera.picture"]
-        return order == ["Gaspra", "Ida"]
+        return None if order == ["Gaspra", "Ida"] else NotGood("Ida is first")
 
     goals = (picture_of("Ida"), picture_of("Gaspra"))
     found = solved(plan(camera_model(), Problem((0, 90), goals=goals), accept=ida_second))
-    assert ida_second(found)
+    assert ida_second(found) is None
 
 
 # What is given
