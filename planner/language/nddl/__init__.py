@@ -33,6 +33,9 @@ Extensions of the language, beside the paper's relations and their bounds (`befo
   object may have several. Rules name the predicates as ever: `Camera::off`, `meets(camera.off o)`.
 - `either {...} or {...}` in a rule or a problem: at least one of the branches holds; the search tries the first one
   first. The idiom with a `bool` and two guards says the same, with a variable that is decided like any other.
+- `only equals {lamp.dark, lamp.dim(level == [0 2])};` in a rule: a constraint token. Over an interval in that relation
+  to the rule's token (any of the relations, with bounds) an attribute has only these values, and may change among
+  them; a parameter may equal a variable or be one of a set.
 - A global variable that is declared with a number (`int WARM_UP = 300;`) may be a bound: `contingent duration =
   [WARM_UP WARM_UP_MAX];`, `before[0 WARM_UP](...)`. A rule sees the number, not a variable.
 - A model's own constraint procedures: Python callables (planner/constraints/user.py), by `--procedures FILE.py` or in

@@ -13,6 +13,7 @@ from planner.errors import nearest
 from planner.language.nddl.definitions import class_definition, enumeration, signature, typedef
 from planner.language.nddl.errors import Complaint, Position, Report, Source
 from planner.language.nddl.expressions import arguments, expression, interval
+from planner.language.nddl.keeping import keep
 from planner.language.nddl.lexer import END, unquoted
 from planner.language.nddl.reader import Reader
 from planner.language.nddl.syntax import (
@@ -147,6 +148,8 @@ def statement(reader: Reader) -> Statement | None:
     word, following = reader.lexeme.text, reader.ahead()
     if word == "either" and following.text == "{":
         return _either(reader)
+    if word == "only" and following.text in RELATIONS:
+        return keep(reader)
     read = _STATEMENTS.get(word)
     if read is not None and following.text not in (".", "=", "=="):
         return read(reader)

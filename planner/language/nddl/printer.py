@@ -9,6 +9,7 @@ from typing import Any
 from planner.language.nddl.lexer import quoted
 from planner.language.nddl.syntax import (
     Allocation,
+    AllowedValue,
     Assignment,
     AttributeDefinition,
     Binary,
@@ -28,6 +29,7 @@ from planner.language.nddl.syntax import (
     Goal,
     If,
     Include,
+    Keep,
     Method,
     Name,
     New,
@@ -191,6 +193,15 @@ def _either(node: Either) -> Iterator[str]:
         yield from _block("or" if number else "either", branch)
 
 
+def _keep(node: Keep) -> Iterator[str]:
+    yield f"only {node.relation}{''.join(map(_range, node.bounds))} {{{', '.join(map(_allowed, node.values))}}};"
+
+
+def _allowed(node: AllowedValue) -> str:
+    limits = ", ".join(f"{name} == {render_expression(limit)}" for name, limit in node.parameters)
+    return ".".join(node.path) + (f"({limits})" if limits else "")
+
+
 def _class(node: ClassDefinition) -> Iterator[str]:
     if node.members is None:
         yield f"class {node.name};"
@@ -229,6 +240,7 @@ _STATEMENTS: dict[type, Callable[[Any], Iterator[str]]] = {
     Contingent: _one(lambda node: f"contingent duration = {_range(node.domain)};"),
     If: _if,
     Either: _either,
+    Keep: _keep,
     ForEach: lambda node: _block(f"foreach ({node.name} in {node.over})", node.body),
     ClassDefinition: _class,
     PredicateDefinition: _predicate,

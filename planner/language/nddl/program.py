@@ -28,6 +28,7 @@ from planner.language.nddl.syntax import (
     ForEach,
     Goal,
     If,
+    Keep,
     Method,
     Name,
     New,
@@ -43,7 +44,7 @@ from planner.tokens.instance import RuleInstance, evaluate, resolve
 from planner.tokens.path import TokenPath
 from planner.tokens.token import Role, Token
 
-PROBLEM = (Assignment, Constraint, Declaration, Either, ForEach, Goal, If, Method, Relation, Requirement)
+PROBLEM = (Assignment, Constraint, Declaration, Either, ForEach, Goal, If, Keep, Method, Relation, Requirement)
 """The kinds of statements that say something about the plan."""
 _BOUND_BY_NUMBER = ("eq", "leq", "lt")
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from planner.errors import ModelError
 from planner.language.nddl.errors import Complaint
+from planner.language.nddl.keeping import translate as translate_keep
 from planner.language.nddl.scope import TokenMeaning
-from planner.language.nddl.syntax import Range, Relation, TokenReference
+from planner.language.nddl.syntax import Keep, Range, Relation, TokenReference
 from planner.model import rules
 from planner.model.relations import distances
 
@@ -33,6 +34,16 @@ def relate(translator: Translator, node: Relation) -> None:
         )
     for target in node.targets:
         _relate_to(translator, node.relation, origin, bounds, target)
+
+
+def keep(translator: Translator, node: Keep) -> None:
+    """Translate `only relation[bounds] {values};`."""
+    bounds = tuple(_bounds(translator, Range(one.lower, one.upper, at=one.lower.at)) for one in node.bounds)
+    try:
+        distances(node.relation, bounds)
+    except ModelError as error:
+        raise Complaint(node.at, str(error)) from None
+    translate_keep(translator, node, bounds)
 
 
 def _bounds(translator: Translator, node: Range) -> tuple[float, float]:

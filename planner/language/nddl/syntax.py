@@ -250,6 +250,23 @@ class Either(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class AllowedValue(Node):
+    """`object.path.predicate(parameter == expression, ...)`: a value that a constraint token allows."""
+
+    path: tuple[str, ...]
+    parameters: tuple[tuple[str, Expression], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Keep(Node):
+    """`only relation[bounds] {value, ...};`: a constraint token. An extension."""
+
+    relation: str
+    bounds: tuple[Bounds, ...]
+    values: tuple[AllowedValue, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ForEach(Node):
     """`foreach (name in over) {...}`."""
 
@@ -326,6 +343,7 @@ Statement = (
     | Contingent
     | If
     | Either
+    | Keep
     | ForEach
     | ClassDefinition
     | RuleDefinition

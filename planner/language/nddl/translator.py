@@ -24,7 +24,7 @@ from planner.language.nddl.operators import (
     SINGLETON_TESTS,
     TESTS,
 )
-from planner.language.nddl.relations import relate
+from planner.language.nddl.relations import keep, relate
 from planner.language.nddl.scope import Scope, StateMeaning, TokenMeaning, ValueMeaning, VariableMeaning
 from planner.language.nddl.states import keep_active, state_said
 from planner.language.nddl.symbols import Symbols
@@ -39,6 +39,7 @@ from planner.language.nddl.syntax import (
     Expression,
     ForEach,
     If,
+    Keep,
     Name,
     New,
     Number,
@@ -376,5 +377,6 @@ _TRANSLATE: dict[type, Callable[[Translator, Any], None]] = {
     Relation: Translator._relation,
     If: Translator._if,
     Either: Translator._either,
+    Keep: keep,
     ForEach: Translator._for_each,
 }

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from planner.checker import check
 from planner.constraints.standard import STANDARD
 from planner.errors import ModelError
 from planner.language.nddl.builder import load_text
@@ -129,3 +130,59 @@ def test_words_of_the_extensions_are_names_elsewhere() -> None:
     assert not report.found
     again = parse(Source("t", render(tree)), report)
     assert again == tree
+
+
+LAMPS = """
+enum Tint { red, green, blue };
+class Lamp extends Timeline {
+  predicate dark {}
+  predicate bright { int level; Tint tint; }
+  predicate blink { int level; }
+}
+class Stage extends Timeline { Lamp lamp; Stage(Lamp l) { lamp = l; } predicate play { Tint tint; } }
+Stage::play { duration == 10; only equals {lamp.dark, lamp.bright(level == [0 2], tint == tint)}; }
+Lamp lamp = new Lamp(); Lamp other = new Lamp();
+Stage stage = new Stage(lamp);
+goal(stage.play p); p.start == 20; p.tint == green;
+"""
+
+
+def lit(problem: str) -> Run:
+    return Run(LAMPS + problem)
+
+
+def test_a_constraint_token_lets_only_some_values_be() -> None:
+    assert lit("goal(lamp.bright b); b.start == 22; b.level == 2;").solved
+    found = lit("goal(lamp.bright b); b.start == 22; b.level == 2;").plan
+    assert found is not None
+    assert next(t for t in found.tokens if t.goal == "b").parameters == {"level": 2, "tint": "green"}
+    (kept,) = [t for t in found.tokens if t.allowed is not None]
+    assert [value.predicate for value in kept.allowed or ()] == ["Lamp.dark", "Lamp.bright"]
+    assert kept.object == "lamp"
+    assert check(found, lit("").model) == ()
+    for wrong in ("b.level == 3;", "b.tint == red; b.level == 1;"):
+        assert lit(f"goal(lamp.bright b); b.start == 22; {wrong}").exhausted
+        assert lit(f"goal(other.bright b); b.start == 22; {wrong}").solved
+        assert lit(f"goal(lamp.bright b); b.start == 30; {wrong}").solved
+    assert lit("goal(lamp.blink b); b.start == 22; b.level == 1;").exhausted
+    assert lit("goal(lamp.dark a); goal(lamp.bright b); a.start == 21; a meets b; b.level == 1; b.end == 28;").solved
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("Stage::play { only equals {lamp.dark, lamp.dim}; }", "has no predicate named 'dim'"),
+        (
+            "Stage::play { only equals {lamp.blink(levl == 1)}; }",
+            "Lamp.blink has no parameter 'levl'; did you mean level",
+        ),
+        ("Stage::play { only equals {lamp.dark, lamp.dark}; }", "Lamp.dark is given twice"),
+        ("Stage::play { only equals {lamp.dark, other.blink}; }", "expected a value of the object of the first one"),
+        ("Stage::play { only equals[3 1] {lamp.dark}; }", "the interval [3 1] is empty"),
+        ("Stage::play { only meets[3 4] {lamp.dark}; }", "relation meets: expected at most 0 bounds"),
+        ("Stage::play { only equals {lamp.dark; }", "',' or '}' after an allowed value"),
+        ("only equals {lamp.dark};", "only: a constraint token belongs to a rule"),
+    ],
+)
+def test_a_constraint_token_that_means_nothing(text: str, message: str) -> None:
+    assert any(message in found for found in complaints(LAMPS + text))

@@ -77,6 +77,13 @@ simple = (
     | st.builds(syntax.Super, arguments)
     | st.builds(syntax.Contingent, ranges)
 )
+allowed = st.builds(syntax.AllowedValue, paths, st.lists(st.tuples(names, expressions), max_size=2).map(tuple))
+keeps = st.builds(
+    syntax.Keep,
+    st.sampled_from(sorted(RELATIONS)),
+    st.lists(bounds, max_size=2).map(tuple),
+    st.lists(allowed, min_size=1, max_size=3).map(tuple),
+)
 bodies = st.lists(simple, max_size=3).map(tuple)
 statements = st.recursive(
     simple,
@@ -86,6 +93,7 @@ statements = st.recursive(
         )
         | st.builds(syntax.ForEach, names, st.builds(syntax.Name, paths), st.lists(inner, max_size=2).map(tuple))
         | st.lists(st.lists(inner, max_size=2).map(tuple), min_size=2, max_size=3).map(tuple).map(syntax.Either)
+        | keeps
     ),
     max_leaves=4,
 )
