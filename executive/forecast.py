@@ -145,10 +145,11 @@ class Forecaster:
 
     def _pattern(self, host: PlanToken, handover: int) -> TokenPattern:
         """A token of the next problem. One that is running now keeps its true start: what it had to begin with, or how
-        long it may still last, follows from that. It lasts into the horizon, so that what it needs has to last as well.
-        """
+        long it may still last, follows from that. It lasts into the horizon, so that what it needs has to last as well;
+        and what lasts beyond the plan's horizon whatever is done lasts as long in the next."""
         parameters = {name: value for name, value in decided(host).items() if name in host.parameters}
-        lasts = (handover + 1, None)
+        beyond = host.end[0] is not None and host.end[0] > self.network.plan.horizon[1]
+        lasts = (host.end[0] if beyond else handover + 1, None)
         run = self.runs.get(host.id)
         if run is None:
             return TokenPattern(host.predicate, host.object, parameters, end=lasts)

@@ -12,7 +12,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from planner.errors import nearest
+from planner.errors import PlanFormatError, nearest
+from planner.plan import FlexiblePlan
 from planner.problem import Goal, TokenPattern
 from scenarios.errors import ScenarioError
 from scenarios.times import seconds_of
@@ -39,7 +40,7 @@ def _instant(value: object) -> datetime.datetime:
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
 
 
 class GoalSection(_Section):
@@ -116,10 +117,17 @@ class FaultRateSection(_Section):
 
 
 class ExpectSection(_Section):
-    """The least outcome that the scenario promises, without faults and with its own."""
+    """What the scenario promises at the least, without faults and with its own.
+
+    `replans`: how often its own faults force another plan, at most. `recoveries`: how many of them are recovered from,
+    or worked around, in the same plan, at least. `achieved`: goals that are reached in spite of its own faults.
+    """
 
     nominal: Literal["completed", "degraded"] = "completed"
     faulted: Literal["completed", "degraded", "standby"] = "degraded"
+    replans: Annotated[int, Field(strict=True, ge=0)] | None = None
+    recoveries: Annotated[int, Field(strict=True, ge=0)] = 0
+    achieved: tuple[str, ...] = ()
 
 
 class ExecutiveSection(_Section):
@@ -131,7 +139,12 @@ class ExecutiveSection(_Section):
 
 
 class Scenario(_Section):
-    """A scenario file. `horizon`: its length. `deliberation`: what a plan costs in simulation time."""
+    """A scenario file. `horizon`: its length. `deliberation`: what a plan costs in simulation time.
+
+    `waypoints`: where one plan ends and the next begins. `plan`: made on the ground and sent up; then no planner is
+    aboard. `fault_rates`: faults that come by chance, besides
+    those of the file.
+    """
 
     name: str = Field(min_length=1)
     summary: str
@@ -143,6 +156,7 @@ class Scenario(_Section):
     executive: ExecutiveSection = ExecutiveSection()
     spacecraft: dict[str, Any] = {}
     waypoints: tuple[Seconds, ...] = ()
+    plan: FlexiblePlan | None = None
     goals: tuple[GoalSection, ...] = ()
     faults: tuple[FaultSection, ...] = ()
     fault_rates: tuple[FaultRateSection, ...] = ()
@@ -163,6 +177,16 @@ class Scenario(_Section):
                 raise ValueError(
                     f"faults[{number}].at: expected less than the horizon of {self.horizon} s, found {fault.at} s"
                 )
+        for number, waypoint in enumerate(self.waypoints):
+            before = self.waypoints[number - 1] if number else 0
+            if not before < waypoint < self.horizon:
+                raise ValueError(
+                    f"waypoints[{number}]: expected ascending times before the horizon's end at {self.horizon} s, "
+                    f"found {waypoint} s"
+                )
+        for name in self.expect.achieved:
+            if name not in ids:
+                raise ValueError(f"expect.achieved: there is no goal {name!r}{nearest(name, ids)}")
         self.spacecraft_config()
         return self
 
@@ -229,27 +253,39 @@ def load(name_or_path: str) -> Scenario:
 
 def _read(file: Path | Traversable, where: str) -> Scenario:
     try:
-        return parse(file.read_text(encoding="utf-8"), where)
+        return parse(file.read_text(encoding="utf-8"), where, Path(str(file)).parent)
     except OSError as error:
         raise ScenarioError(f"{where}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ScenarioError(f"{where}: not UTF-8 text at byte {error.start}") from error
 
 
-def parse(text: str, where: str) -> Scenario:
-    """The scenario of a TOML text, every goal checked against the model; ScenarioError lists every wrong field."""
+def parse(text: str, where: str, folder: Path = Path()) -> Scenario:
+    """The scenario of a TOML text, every goal checked against the model; ScenarioError lists every wrong field.
+
+    `folder`: where a plan's file is looked for.
+    """
     from scenarios.goals import check_goals
 
     try:
         content = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # the second: lists in lists in lists
         raise ScenarioError(f"{where}: not TOML: {error}") from error
+    if isinstance(content.get("plan"), str):
+        content["plan"] = _given_plan(folder / content["plan"], where)
     try:
         scenario = Scenario.model_validate(content)
     except ValidationError as error:
         raise ScenarioError("\n".join(f"{where}: {_complaint(e)}" for e in error.errors())) from error
     check_goals(scenario, where)
     return scenario
+
+
+def _given_plan(file: Path, where: str) -> FlexiblePlan:
+    try:
+        return FlexiblePlan.load(file)
+    except PlanFormatError as error:
+        raise ScenarioError(f"{where}: plan: {error}") from error
 
 
 def _complaint(error: Any) -> str:

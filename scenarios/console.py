@@ -69,6 +69,7 @@ def _lines(summary: dict[str, Any]) -> Iterator[str]:
     yield f"flight rules: {len(rules['violations']) or 'none'} of {rules['checked']} broken"
     for violation in rules["violations"]:
         yield f"  {violation['rule']} from {clock(violation['start'])} to {clock(violation['end'])}"
+    yield from (f"not as declared: {words}" for words in summary["unmet"])
     speed = summary["sim"]["realtime_factor"]
     flown, wall = clock(summary["sim"]["sim_seconds"]), summary["wall_seconds"]
     yield f"{flown} flown in {wall:.1f} s, {speed:.0f} times real time"

@@ -14,12 +14,12 @@ from sim import FAULTS, draw_faults
 
 
 def chosen_faults(scenario: Scenario, wanted: Sequence[str] | None, seed: int = 0) -> tuple[FaultSection, ...]:
-    """The faults of a run; None: the scenario's, with those that come at its rates for this seed.
+    """The faults of a run; None: the scenario's own. ScenarioError for an unknown name or a time that cannot be."""
+    return own_faults(scenario, seed) if wanted is None else tuple(_chosen(scenario, text) for text in wanted)
 
-    ScenarioError for an unknown name or a time that cannot be.
-    """
-    if wanted is not None:
-        return tuple(_chosen(scenario, text) for text in wanted)
+
+def own_faults(scenario: Scenario, seed: int) -> tuple[FaultSection, ...]:
+    """The faults of the scenario's file, with those that come at its rates for this seed."""
     drawn = draw_faults((section.rate() for section in scenario.fault_rates), seed, scenario.horizon)
     by_chance = (FaultSection(name=f.name, at=f.at_s, until=f.end_s, parameters=dict(f.parameters)) for f in drawn)
     return (*scenario.faults, *by_chance)

@@ -29,10 +29,13 @@ from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
 from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
 from scenarios.ds1.protection import ENDING_COMMANDS
+from scenarios.errors import ScenarioError
+from scenarios.faults import own_faults
 from scenarios.flight_rules import RuleWatch
 from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, new_stream
+from scenarios.judging import violations_of
 from scenarios.observer import Observer, Unobserved
-from scenarios.summary import summarize
+from scenarios.summary import summarize, unmet
 from scenarios.words import Reasons
 from sim import Spacecraft
 
@@ -85,6 +88,7 @@ class Flight:
         if (hang_bug := scenario.executive.hang_bug) is not None:
             self.port = Sequencer(self.plant, options.seed, hang_bug, ENDING_COMMANDS)
         self.model = build_model(capability_of(config, scenario.horizon, scenario.deliberation))
+        self._check_given_plan()
         self.rules = RuleWatch()
         self.plans: tuple[AdoptedPlan, ...] = ()
         self.pending_faults = sorted(options.faults, key=lambda fault: fault.at)
@@ -123,8 +127,26 @@ class Flight:
         return self.summary(log)
 
     def think(self, problem: Problem) -> PlanningResult:
-        """The planner as the executive calls it: only dynamically controllable plans are good."""
+        """The planner as the executive calls it: only dynamically controllable plans are good.
+
+        With a plan from the ground there is no planner aboard: the plan is there at its own time, and no other.
+        """
+        given = self.scenario.plan
+        if given is not None:
+            if given.horizon == problem.horizon:
+                return PlanningResult(given)
+            return PlanningResult(None, reason="no planner is aboard: the plan came from the ground")
         return plan(self.model, problem, PLANNING_LIMITS, conflict_of)
+
+    def _check_given_plan(self) -> None:
+        given = self.scenario.plan
+        if given is None:
+            return
+        where = f"{self.scenario.name}: plan"
+        for violation in violations_of(given, self.scenario):
+            raise ScenarioError(f"{where}: {violation.kind}: {violation.explanation}")
+        if not is_controllable(given):
+            raise ScenarioError(f"{where}: it is not dynamically controllable")
 
     def tell_faults(self, second: int, journal: Journal) -> None:
         """Journal the scripted faults that begin now, before the executive's own step."""
@@ -144,6 +166,9 @@ class Flight:
             log.reasons,
             wall,
         )
+        options = self.options
+        by_itself = bool(options.faults) and options.faults == own_faults(self.scenario, options.seed)
+        summary["unmet"] = unmet(summary, self.scenario, by_itself)
         summary["sim"]["physics_steps"] = self.spacecraft.physics_steps
         size = 0 if log.folder is None else (log.folder / RECORDING).stat().st_size
         summary["recording"] = {"bytes": size, "images": log.observer.images}

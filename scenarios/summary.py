@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from executive.conclusions import FaultRecord
+from executive.conclusions import REPLAN, FaultRecord
 from executive.executive import Executive
 from executive.records import AdoptedPlan
 from scenarios.config import FaultSection, Scenario
@@ -34,9 +34,11 @@ def summarize(
         "seed": seed,
         "outcome": executive.outcome,
         "expected": scenario.expect.faulted if faults else scenario.expect.nominal,
+        "unmet": [],
         "goals": [{"id": g.id, "status": g.status, "time": g.time, "reason": g.reason} for g in executive.goals],
         "plans": [_plan(adopted, reasons) for adopted in plans],
         "replans": sum(not adopted.joined for adopted in plans[1:]),
+        "recoveries": sum(_is_recovered(record) for record in executive.faults),
         "faults": _faults(faults, executive.faults),
         "dispatch": {
             "timepoints": dispatch.timepoints,
@@ -58,10 +60,35 @@ def summarize(
     }
 
 
+def unmet(summary: dict[str, Any], scenario: Scenario, own_faults: bool) -> list[str]:
+    """What of the scenario's promises the run does not keep, in words; the detailed ones hold for its `own_faults`."""
+    found = []
+    if OUTCOMES.index(summary["outcome"]) < OUTCOMES.index(summary["expected"]):
+        found.append(f"outcome: expected {summary['expected']} at least, found {summary['outcome']}")
+    if not own_faults:
+        return found
+    expect = scenario.expect
+    if expect.replans is not None and summary["replans"] > expect.replans:
+        found.append(f"replans: expected {expect.replans} at most, found {summary['replans']}")
+    if summary["recoveries"] < expect.recoveries:
+        found.append(f"recoveries: expected {expect.recoveries} at least, found {summary['recoveries']}")
+    status = {goal["id"]: goal["status"] for goal in summary["goals"]}
+    found += [
+        f"goal {goal}: expected achieved, found {status[goal]}"
+        for goal in expect.achieved
+        if status[goal] != "achieved"
+    ]
+    return found
+
+
 def fell_short(summary: dict[str, Any]) -> bool:
-    """Whether the run is worse than its scenario promises, or broke a flight rule."""
-    worse = OUTCOMES.index(summary["outcome"]) < OUTCOMES.index(summary["expected"])
-    return worse or bool(summary["flight_rules"]["violations"])
+    """Whether the run keeps less than its scenario promises, or broke a flight rule."""
+    return bool(summary["unmet"] or summary["flight_rules"]["violations"])
+
+
+def _is_recovered(record: FaultRecord) -> bool:
+    """Whether something was done about it, and it forced no other plan."""
+    return bool(record.responses) and REPLAN not in record.responses
 
 
 def _plan(adopted: AdoptedPlan, reasons: Reasons) -> dict[str, Any]:
@@ -86,10 +113,8 @@ def _faults(injected: Sequence[FaultSection], detected: Sequence[FaultRecord]) -
     matches: dict[int, FaultRecord] = {}
     others: list[FaultRecord] = []
     for record in sorted(detected, key=lambda d: d.detected):
-        there = {
-            f.name: n for n, f in reversed(list(enumerate(unseen))) if f.at <= record.detected and n not in matches
-        }
-        name = most_like(reversed(there), record.monitor, record.diagnosis)
+        there = {f.name: n for n, f in enumerate(unseen) if f.at <= record.detected and n not in matches}
+        name = most_like(there, record.monitor, record.diagnosis)
         if name is None:
             others.append(record)
         else:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.random import Generator, default_rng
 
 from scenarios.config import FaultSection, Scenario
+from scenarios.faults import own_faults
 from sim import FAULTS
 from sim.faults import random_faults
 
@@ -49,7 +50,7 @@ def variation(scenario: Scenario, campaign_seed: int, faults: Faults, number: in
     """Run `number`: `all` takes each fault in turn, and none after the last; `random` draws one a run on average."""
     seed = int(np.random.SeedSequence([campaign_seed, number]).generate_state(1)[0])
     rng = default_rng([campaign_seed, number, 1])
-    return Variation(number, seed, _faults(scenario, faults, number, rng), _spacecraft(scenario, rng))
+    return Variation(number, seed, _faults(scenario, faults, number, seed, rng), _spacecraft(scenario, rng))
 
 
 def varied(scenario: Scenario, own: Variation) -> Scenario:
@@ -57,9 +58,9 @@ def varied(scenario: Scenario, own: Variation) -> Scenario:
     return scenario.model_copy(update={"spacecraft": {**scenario.spacecraft, **own.spacecraft}})
 
 
-def _faults(scenario: Scenario, faults: Faults, number: int, rng: Generator) -> tuple[FaultSection, ...]:
+def _faults(scenario: Scenario, faults: Faults, number: int, seed: int, rng: Generator) -> tuple[FaultSection, ...]:
     if faults == "scenario":
-        return scenario.faults
+        return own_faults(scenario, seed)
     if faults == "random":
         rate = 86_400.0 / scenario.horizon / len(FAULTS)
         drawn = random_faults(rng, dict.fromkeys(FAULTS, rate), scenario.horizon)

@@ -14,6 +14,8 @@ EXPOSURE_S = 30.0
 """Commanded exposure of a navigation image."""
 OBSERVED_LATE_S = 2
 """The hardware acts on whole seconds and telemetry shows it a second later."""
+CREEP_S = 120
+"""With thrusters alone, one of them closed: so much longer a slew takes to its end (measured: up to 90 s)."""
 SAMPLE_S = 21_600
 """How often the Sun's distance is looked at over a horizon."""
 POWER_RESERVE_W = 20.0
@@ -26,8 +28,9 @@ def capability_of(config: SpacecraftConfig, horizon_s: int = 0, deliberation_s: 
     `deliberation_s`: the longest that planning the next horizon takes.
     """
     sky = Environment(config)
+    late_s = OBSERVED_LATE_S + (CREEP_S if config.initial_actuators == "thrusters" else 0)
     turns = {
-        (a, b): (bounds.lower_s, bounds.upper_s + OBSERVED_LATE_S)
+        (a, b): (bounds.lower_s, bounds.upper_s + late_s)
         for a in sky.targets
         for b in sky.targets
         for bounds in [slew_bounds_between(sky, config, a, b, 0.0, horizon_s)]

@@ -45,6 +45,8 @@ LPE = probe_channel("lpe")
 DRIFT_ERROR_RAD = 1.0e-3
 DRIFT_RATE_RAD_S = 2.0e-4
 DRIFT_S = 10
+# With one thruster less a slew creeps to its end: that is not yet the second fault.
+DRIFT_AGAIN_S = 90
 # A healthy slew turns at its limit of 2.62e-3 at the most.
 OVER_RATE_RAD_S = 3.4e-3
 OVER_RATE_S = 5
@@ -73,9 +75,12 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
     )
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
     settled = (_is("acs.state", "settled"),)
-    for conclusion, known, words in ((first, False, ""), (UNSTEADY, True, " too")):
+    for conclusion, known, words, persistence in (
+        (first, False, "", DRIFT_S),
+        (UNSTEADY, True, " too", DRIFT_AGAIN_S),
+    ):
         when = (*steering, _is(concluded_channel(other), known))
-        yield Monitor(f"drift under {mode}{words}", (*when, *drifting), DRIFT_S, conclusion, until=settled)
+        yield Monitor(f"drift under {mode}{words}", (*when, *drifting), persistence, conclusion, until=settled)
         yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
 
 
@@ -171,7 +176,10 @@ RESPONSES = (
     Response(ENGINE_FAILED.name, forbids=("ips.",), waives=("ips.state",)),
     Response(
         ENGINE_RUNS_ON.name,
-        (Recovery("reset the terminal and stop", (_reset("ips"), _STOP), within=10, attempts=2),),
+        (
+            Recovery("reset the terminal and stop", (_reset("ips"), _STOP), within=10, attempts=2),
+            Recovery("restart the command sequencer and stop", (Step((Send(RESTART),)), _STOP), within=10),
+        ),
         otherwise=ENGINE_FAILED,
     ),
 )
