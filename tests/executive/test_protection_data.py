@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from executive.bindings import Bindings, Standby
 from executive.conditions import Condition
 from executive.errors import BindingsError
+from executive.port import TelemetryValue
 from executive.protection import Monitor, Probe, Recovery, Response
 from executive.sends import Conclusion, Confirmation, Send
 from executive.subscription import Subscription
@@ -64,6 +67,18 @@ WRONG_DATA: dict[str, tuple[object, str]] = {
         "expected one response to 'bus sensor wrong', found 2",
     ),
 }
+
+
+@given(st.lists(st.sampled_from([0.0, 0.05, 0.1, 0.11, 0.3, 0.5, 0.7, 2.0]), max_size=12))
+def test_what_is_kept_decides_as_all_of_it_would(values: list[float]) -> None:
+    """Value after value: every comparison has the same answer for what was kept last as for what was seen last."""
+    more = Monitor("m", (Condition("amps", ">=", 0.5), Condition("amps", "<", 0.3)), 0, DOWN)
+    bindings = replace(_bare(), monitors=(SENSOR, more))
+    subscription, kept = Subscription(bindings), dict[str, TelemetryValue]()
+    for value in values:
+        kept.update(subscription.of({"amps": value}, kept))
+        for condition in bindings.thresholds()["amps"]:
+            assert condition.holds(kept) is condition.holds({"amps": value})
 
 
 @pytest.mark.parametrize("case", WRONG_DATA)
