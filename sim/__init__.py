@@ -8,7 +8,8 @@ from sim.config import SpacecraftConfig, Target
 from sim.errors import ConfigurationError, RenderingUnavailable, SimulationError, SimulatorError
 from sim.fault_rates import FaultRate, draw_faults
 from sim.faults import FAULTS, random_faults
-from sim.spacecraft import RecordedState, Spacecraft
+from sim.recorded_state import RecordedState
+from sim.spacecraft import Spacecraft
 
 __all__ = [
     "FAULTS",

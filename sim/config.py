@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, fields
 
 from sim.errors import ConfigurationError
+from sim.ground import STATIONS
 from sim.orbits import Elements
 from sim.quaternion import Vector, dot
 
@@ -142,6 +143,10 @@ class SpacecraftConfig:
     downlink_Mbit_s: float = 0.02
     antenna_half_beam_rad: float = math.radians(0.5)
     recorder_capacity_Mbit: float = 2000.0
+    # ground stations by name, least elevation, and the Greenwich meridian's angle from +X of the equator at time 0
+    ground_stations: str = "goldstone madrid canberra"
+    station_elevation_rad: float = math.radians(10.0)
+    sidereal_angle_rad: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what cannot fly; every message names the field."""
@@ -219,6 +224,9 @@ class SpacecraftConfig:
                 raise ConfigurationError(f"{where}: expected a direction with a length, found {target.direction_I}")
             if not 0.0 <= target.distance_au < math.inf:
                 raise ConfigurationError(f"{where}: expected a distance of at least 0, found {target.distance_au} AU")
+        for name in self.ground_stations.split():
+            if name not in STATIONS:
+                raise ConfigurationError(f"ground_stations: expected of {', '.join(STATIONS)}, found {name!r}")
         if not 0.0 < dot(self.sun_direction_I, self.sun_direction_I) < math.inf:
             raise ConfigurationError(f"sun_direction_I: expected a direction, found {self.sun_direction_I}")
         if self.initial_target not in names:

@@ -141,6 +141,11 @@ _TELEMETRY = (
     Channel("sun_sensor.y", "", "float", 1e-4, "the same along +Y"),
     Channel("sun_sensor.z", "", "float", 1e-4, "the same along +Z"),
     Channel("sun.distance_au", "AU", "float", 1e-5, "distance of the Sun, from the ephemeris on board"),
+    Channel("earth.station", "", "str", 0, "ground station that will hear what is sent now, or none"),
+    Channel("thermal.camera_C", "deg C", "float", 0.1, "temperature of the camera"),
+    Channel("thermal.cathode_C", "deg C", "float", 0.1, "temperature of the ion engine's cathodes"),
+    Channel("thermal.battery_C", "deg C", "float", 0.1, "temperature of the battery"),
+    Channel("thermal.tank_C", "deg C", "float", 0.1, "temperature of the hydrazine tank"),
     Channel("earth.light_time_s", "s", "float", 0.1, "what a signal takes to the Earth"),
 )
 TELEMETRY: Mapping[str, Channel] = MappingProxyType({row.name: row for row in _TELEMETRY})

@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 from sim.config import SpacecraftConfig, Target
 from sim.errors import ConfigurationError
+from sim.ground import STATIONS
 from sim.orbits import AU_M, LIGHT_M_S, Orbit
 from sim.quaternion import Quaternion, Vector, angle_between, cross, dot, from_axes, rotate_inverse, unit
 
@@ -40,6 +41,8 @@ class Environment:
     def __init__(self, config: SpacecraftConfig) -> None:
         self.targets: Mapping[str, Target] = MappingProxyType({target.name: target for target in config.targets})
         self.earth = next(target.name for target in config.targets if target.kind == "earth")
+        self._stations = tuple(STATIONS[name] for name in config.ground_stations.split())
+        self._least_elevation_rad, self._sidereal_rad = config.station_elevation_rad, config.sidereal_angle_rad
         self._orbit = config.orbit.orbit() if config.orbit else Orbit.circular(_away(config))
         self._since_s, self._gained_m_s = 0.0, (0.0, 0.0, 0.0)
         self._last: tuple[float, Vector] = (0.0, self._orbit.position_m)
@@ -95,9 +98,35 @@ class Environment:
         """What a signal takes to the Earth; 0 for an Earth without a distance."""
         return self.distance_m(self.earth, time_s) / LIGHT_M_S if self.earth in self._bodies else 0.0
 
-    def telemetry(self, time_s: float) -> dict[str, float]:
-        """What the ephemeris on board says of Sun and Earth."""
-        return {"sun.distance_au": self.sun_distance_au(time_s), "earth.light_time_s": self.light_time_s(time_s)}
+    def station(self, time_s: float) -> str:
+        """A ground station that hears what is sent now, when it arrives; the one that sees it highest, or `none`."""
+        x, y, z = self.direction_I(self.earth, time_s)
+        arrival_s = time_s + self.light_time_s(time_s)
+        heights = [(s.elevation_rad((-x, -y, -z), arrival_s, self._sidereal_rad), s.name) for s in self._stations]
+        best = max(heights, default=(-math.inf, ""))
+        return best[1] if best[0] >= self._least_elevation_rad else "none"
+
+    def downlink_windows(self, start_s: float, end_s: float) -> tuple[tuple[float, float], ...]:
+        """Stretches of sending time (s) in which some station hears, to the minute, within the two times."""
+        windows: list[tuple[float, float]] = []
+        opened: float | None = None
+        for k in range(math.ceil((end_s - start_s) / 60.0) + 1):
+            time_s = min(end_s, start_s + 60.0 * k)
+            heard = self.station(time_s) != "none"
+            if heard and opened is None:
+                opened = time_s
+            elif not heard and opened is not None:
+                windows.append((opened, time_s - 60.0))
+                opened = None
+        return (*windows, (opened, end_s)) if opened is not None else tuple(windows)
+
+    def telemetry(self, time_s: float) -> dict[str, float | str]:
+        """What the ephemeris on board says of Sun, Earth and stations."""
+        return {
+            "sun.distance_au": self.sun_distance_au(time_s),
+            "earth.light_time_s": self.light_time_s(time_s),
+            "earth.station": self.station(time_s),
+        }
 
     def angular_diameter_rad(self, target: str, time_s: float) -> float:
         """What the camera sees of `target`: the configured diameter in proportion to how near it has come."""

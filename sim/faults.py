@@ -134,6 +134,8 @@ _TABLE = (
         Fault(f"thruster-{name}-open", "rcs", f"open_{name}", f"the valve of thruster {name.upper()} does not close")
         for name in NAMES
     ),
+    Fault("battery-heater-fails", "thermal", "battery_unheated", "the battery cools until it takes no more charge"),
+    Fault("tank-heater-fails", "thermal", "tank_unheated", "the hydrazine tank cools until nothing flows"),
     Fault("recorder-stuck", "recorder", "stuck", "the recorder takes no more frames: images are lost"),
     Fault(
         "battery-degraded",

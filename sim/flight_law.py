@@ -17,8 +17,8 @@ from sim.kernels import Memory, compiled
 SUN_I, SUN_B, THRUST_N, SUNLIGHT_N, PRESSURE_CENTRE = 0, 3, 6, 7, 8
 ACTUATORS, USE_TRUTH, UNLOAD_NM, UNLOADED_NMS, THRUST_I = 11, 12, 13, 14, 15
 EARTH_I, EARTH_COS, BEAM_COS, QUIET, PROPELLANT_TAKEN_KG = 18, 21, 22, 23, 24
-BESIDE_GIMBALS = 25
-SIZE = 26
+BESIDE_GIMBALS, STATION_HEARS = 25, 26
+SIZE = 27
 _WINGS_REST_RAD_S = 1.0e-4
 # The mass in the physics follows the propellant in grains of this size, half a minute of thrust: 2e-7 of the mass.
 PROPELLANT_GRAIN_KG = 1.0e-4

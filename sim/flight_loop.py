@@ -17,7 +17,7 @@ from types import ModuleType
 import numpy as np
 
 from sim import control_law, filter_law, flight_law
-from sim.components import gimbals, ion_engine, power, radio, thrusters, wheels, wings
+from sim.components import gimbals, ion_engine, power, radio, thermal, thrusters, wheels, wings
 from sim.config import SpacecraftConfig
 from sim.control import AttitudeControl
 from sim.dictionary import counts_per_unit
@@ -31,6 +31,7 @@ from sim.flight_law import (
     EARTH_I,
     QUIET,
     SIZE,
+    STATION_HEARS,
     SUN_B,
     SUN_I,
     SUNLIGHT_N,
@@ -65,12 +66,13 @@ def _places() -> tuple[int, ...]:
         ion_engine.SIZE,
         radio.SIZE,
         gimbals.SIZE,
+        thermal.SIZE,
         SIZE,
     )
     return tuple(itertools.accumulate(sizes, initial=0))
 
 
-_C, _W, _R, _G, _P, _S, _F, _N, _D, _H, _E, _END = _places()
+_C, _W, _R, _G, _P, _S, _F, _N, _D, _H, _T, _E, _END = _places()
 
 
 def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
@@ -80,7 +82,7 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
     def before(block: Memory, qpos: Memory, qvel: Memory, ctrl: Memory, applied: Memory, dt_s: float) -> int:
         assert stamp
         c, w, r, g = block[_C:_W], block[_W:_R], block[_R:_G], block[_G:_P]
-        p, h, e = block[_P:_S], block[_H:_E], block[_E:_END]
+        p, h, e = block[_P:_S], block[_H:_T], block[_E:_END]
         m = wheels.MOMENTUM
         tx, ty, tz = control_law.step(c, dt_s, w[m], w[m + 1], w[m + 2])
         if not math.isfinite(tx + ty + tz):
@@ -104,7 +106,8 @@ def _build(stamp: str) -> tuple[Callable[..., int], Callable[..., int]]:
         if not math.isfinite(p[power.SOC]):
             return 5
         ion_engine.burn(block[_N:_D], dt_s)
-        if e[EARTH_COS] >= e[BEAM_COS]:
+        thermal.step(block[_T:_E], dt_s)
+        if e[EARTH_COS] >= e[BEAM_COS] and e[STATION_HEARS] != 0.0:
             radio.play(block[_D:_H], dt_s)
         e[QUIET] = is_quiet(c, e, qvel)
         for k in range(13):
@@ -161,6 +164,7 @@ def _stamp() -> str:
         ion_engine,
         power,
         radio,
+        thermal,
         thrusters,
         wheels,
         wings,
@@ -185,6 +189,7 @@ class Units:
     engine: ion_engine.IonEngine
     recorder: radio.Recorder
     gimbals: gimbals.Gimbals
+    thermal: thermal.Thermal
 
 
 class FlightLoop:
@@ -199,7 +204,7 @@ class FlightLoop:
         self._physics = physics
         self._sensors = units.sensors
         self._block: Memory = np.zeros(_END + 25)
-        starts = (_C, _W, _R, _G, _P, _S, _F, _N, _D, _H)
+        starts = (_C, _W, _R, _G, _P, _S, _F, _N, _D, _H, _T)
         owners = (getattr(units, field.name) for field in fields(units))
         for owner, start in zip(owners, starts, strict=True):
             part = self._block[start : start + len(owner.memory)]
@@ -220,6 +225,7 @@ class FlightLoop:
                 (units.engine, _N),
                 (units.recorder, _D),
                 (units.gimbals, _H),
+                (units.thermal, _T),
             )
             for channel, place in unit.READINGS.items()
         ]
@@ -244,6 +250,7 @@ class FlightLoop:
         e = self.surroundings
         e[SUN_I : SUN_I + 3] = environment.sun_direction_I(time_s)
         e[EARTH_I : EARTH_I + 3] = environment.direction_I(environment.earth, time_s)
+        e[STATION_HEARS] = environment.station(time_s) != "none"
         weakened = 1.0 / environment.sun_distance_au(time_s) ** 2
         e[SUNLIGHT_N] = self._sunlight_1au_N * weakened
         self._block[_P + power.NORMAL_W] = self._array_1au_W * weakened

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,11 @@ from sim.components import thrusters
 from sim.components.camera import Camera
 from sim.components.gimbals import Gimbals
 from sim.components.ion_engine import IonEngine
-from sim.components.power import SWITCHED_W, Power
+from sim.components.power import SWITCHED_W, TOO_COLD, Power
 from sim.components.radio import RATE_MBIT_S, Radio, Recorder
 from sim.components.switchboard import Switchboard
 from sim.components.terminal import Acknowledgement, BusTerminal
+from sim.components.thermal import Thermal
 from sim.components.thrusters import Thrusters
 from sim.components.wheels import Wheels
 from sim.components.wings import Wings
@@ -36,34 +36,17 @@ from sim.estimator import Estimator, Sensors
 from sim.faults import FaultHook, FaultSchedule
 from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
 from sim.flight_loop import FlightLoop, Units
+from sim.ground import GroundSegment
 from sim.kernels import Memory
 from sim.physics import Physics
-from sim.quaternion import Quaternion, Vector, rotate_inverse
+from sim.quaternion import Vector, rotate_inverse
+from sim.recorded_state import RecordedState
 from sim.rendering import Renderer
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
-_GENERATORS = ("wheels", "ips", "micas", "sensors")
+_GENERATORS = ("wheels", "ips", "micas", "sensors", "thermal")
 _SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
 _UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedState:
-    """The raw state at an instant, for recordings: nothing rounded, nothing that the flight side may see."""
-
-    time_s: float
-    position_I_m: Vector
-    velocity_I_m_s: Vector
-    attitude_IB: Quaternion
-    rate_B_rad_s: Vector
-    wheel_speeds_rad_s: tuple[float, ...]
-    wing_angles_rad: tuple[float, ...]
-    mass_kg: float
-    thrust_I_N: Vector
-    sun_direction_I: Vector
-    sun_distance_au: float
-    heliocentric_position_I_m: Vector
-    active_faults: tuple[str, ...]
 
 
 class Spacecraft:
@@ -96,14 +79,16 @@ class Spacecraft:
         self._sensors = Sensors(config, generators["sensors"], attitude_IB)
         bias = self._sensors.memory[GYRO_BIAS : GYRO_BIAS + 3].copy()
         self._estimator = Estimator(config, generators["sensors"], attitude_IB, bias)
-        self._engine = IonEngine(config, generators["ips"])
+        self._thermal = Thermal(config, generators["thermal"])
+        self._engine = IonEngine(config, generators["ips"], self._thermal.cathode)
         self._gimbals = Gimbals(config)
-        self._camera = Camera(config, generators["micas"])
+        self._camera = Camera(config, generators["micas"], self._thermal.camera)
         self._power = Power(config)
         self._radio = Radio(config)
         self._recorder = Recorder(config.recorder_capacity_Mbit)
         self._terminals = {name: BusTerminal(name) for name in TERMINALS}
         self._switchboard = Switchboard()
+        self._ground = GroundSegment()
         self._faults = FaultSchedule(self._fault_hooks())
         units = Units(
             self._control,
@@ -116,6 +101,7 @@ class Spacecraft:
             self._engine,
             self._recorder,
             self._gimbals,
+            self._thermal,
         )
         self._loop = FlightLoop(config, self._physics, units, self._new_surroundings())
         self._surroundings = self._loop.surroundings
@@ -238,6 +224,11 @@ class Spacecraft:
             active_faults=self._faults.active,
         )
 
+    @property
+    def received_Mbit(self) -> float:
+        """What has arrived on the ground, a light time after it was sent."""
+        return self._ground.received_Mbit(float(self.time))
+
     def angular_momentum_I(self) -> Vector:
         """Of spacecraft and wheels about the centre of mass, N m s: constant without sunlight and thrusters."""
         return self._physics.angular_momentum_I()
@@ -340,6 +331,9 @@ class Spacecraft:
         self.environment.gain(self._looked_s, self._physics.velocity_I)
         self._loop.look_around(self.environment, float(self.time))
         self._modes.follow(self._looked_s)
+        self._thrusters.memory[thrusters.FROZEN] = self._thermal.tank_frozen
+        self._power.memory[TOO_COLD] = self._thermal.battery_cold
+        self._ground.sent(self._looked_s, self.environment.light_time_s(self._looked_s), self._recorder.downlinked_Mbit)
 
     def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
         if name.startswith("ips.") and not self._switchboard.fed("neb2"):
@@ -375,6 +369,7 @@ class Spacecraft:
             "ips": self._engine,
             "gimbals": self._gimbals,
             "wings": self._wings,
+            "thermal": self._thermal,
             "micas": self._camera,
             "power": self._power,
             "radio": self._radio,

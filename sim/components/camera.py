@@ -11,15 +11,17 @@ from collections.abc import Mapping
 from numpy.random import Generator
 
 from sim.components.hooks import refuse_fault
+from sim.components.thermal import WarmUp
 from sim.config import SpacecraftConfig
 
 
 class Camera:
     """States off, warming, ready, exposing (read-out included). The switch is on or off whatever the bus delivers."""
 
-    def __init__(self, config: SpacecraftConfig, generator: Generator) -> None:
+    def __init__(self, config: SpacecraftConfig, generator: Generator, warm_up: WarmUp) -> None:
         self._config = config
         self._generator = generator
+        self._warm_up = warm_up
         self._left_s = 0.0
         self._readout_s = 0.0
         self._good = False
@@ -89,8 +91,7 @@ class Camera:
     def step(self, dt_s: float) -> bool | None:
         """Let `dt_s` pass; True or False when a frame has just been read out, good or not, else None."""
         if self.state == "warming":
-            self._left_s -= dt_s / self._warmup_factor
-            if self._left_s <= 0.0:
+            if self._warm_up.step(dt_s, self._warmup_factor):
                 self.state = "ready"
         elif self.state == "exposing":
             if self._left_s > 0.0:
@@ -123,7 +124,9 @@ class Camera:
     def _follow_switch(self) -> None:
         if self.switch_on and self._powered:
             self.state = "warming"
-            self._left_s = float(self._generator.uniform(*self._config.camera_warmup_s))
+            self._warm_up.switch_on()
         else:
+            if self.state != "off":
+                self._warm_up.switch_off()
             self.state = "off"
             self._left_s = 0.0

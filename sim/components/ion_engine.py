@@ -17,6 +17,7 @@ import numpy as np
 from numpy.random import Generator
 
 from sim.components.hooks import refuse_fault
+from sim.components.thermal import WarmUp
 from sim.config import SpacecraftConfig
 from sim.kernels import Memory, compiled
 
@@ -79,9 +80,10 @@ class IonEngine:
 
     READINGS: ClassVar[Mapping[str, int]] = {"ips.xenon_kg": LEFT_KG, "ips.thrust_seconds": SECONDS}
 
-    def __init__(self, config: SpacecraftConfig, generator: Generator) -> None:
+    def __init__(self, config: SpacecraftConfig, generator: Generator, cathode: WarmUp) -> None:
         self._config = config
         self._generator = generator
+        self._cathode = cathode
         self._left_s = 0.0
         self._start_blocked = False
         self._after_recycle: ThrottlePoint | None = None
@@ -140,7 +142,7 @@ class IonEngine:
         if self.state != "standby":
             return f"ips.start needs state standby, found {self.state}"
         self.state = "starting"
-        self._left_s = float(self._generator.uniform(*self._config.engine_start_s))
+        self._cathode.switch_on()
         return None
 
     def thrust(self, level: int) -> str | None:
@@ -169,12 +171,15 @@ class IonEngine:
         if self.state in ("standby", "stopping"):
             return f"ips.stop needs state starting, ready or thrusting, found {self.state}"
         self._feed(None)
+        self._cathode.switch_off()
         self.state = "stopping"
         self._left_s = float(self._generator.uniform(*self._config.engine_stop_s))
         return None
 
     def trip(self) -> None:
         """The bus gave way: everything off at once."""
+        if self.state not in ("standby", "stopping"):
+            self._cathode.switch_off()
         self._feed(None)
         self.state = "standby"
 
@@ -184,8 +189,7 @@ class IonEngine:
             burn(self.memory, dt_s)
             self.notice()
         elif self.state == "starting" and not self._start_blocked:
-            self._left_s -= dt_s
-            if self._left_s <= 0.0:
+            if self._cathode.step(dt_s, 1.0):
                 self.state = "ready"
         elif self._after_recycle is not None:
             self._left_s -= dt_s

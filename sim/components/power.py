@@ -21,8 +21,8 @@ RECOVERED_SOC = 0.05
 SOC, ARRAY_W, LOAD_W, UNDERVOLTAGE = 0, 1, 2, 3
 ARRAY_FACTOR, NORMAL_W, BASE_W, SWITCHED_W = 4, 5, 6, 7
 CAPACITY_J, CHARGE_LIMIT_W, EFFICIENCY = 8, 9, 10
-MARGIN_W = 11
-SIZE = 12
+MARGIN_W, TOO_COLD = 11, 12
+SIZE = 13
 
 
 @compiled
@@ -38,7 +38,7 @@ def step(m: Memory, dt_s: float) -> None:
     """Charge or discharge for `dt_s` at the present balance."""
     margin_W = m[ARRAY_W] - m[LOAD_W]
     if margin_W >= 0.0:
-        charge_W = min(margin_W, m[CHARGE_LIMIT_W]) * m[EFFICIENCY]
+        charge_W = 0.0 if m[TOO_COLD] != 0.0 else min(margin_W, m[CHARGE_LIMIT_W]) * m[EFFICIENCY]
         soc = m[SOC] + charge_W * dt_s / m[CAPACITY_J]
         m[SOC] = 1.0 if soc > 1.0 else soc
         if m[SOC] >= RECOVERED_SOC:

@@ -35,8 +35,8 @@ ON, WORKS, SIGNS, CARRY = 0, 8, 16, 40
 TORQUE, FORCE = 43, 46
 FORCE_N, LEVER_M, MINIMUM_S, FLOW_KG_S = 49, 50, 51, 52
 USED_KG, LEFT_KG, POWERED, Z_FOR_Y = 53, 54, 55, 56
-STUCK_OPEN, LEAKS = 57, 65
-SIZE = 66
+STUCK_OPEN, LEAKS, FROZEN = 57, 65, 66
+SIZE = 67
 
 
 @compiled
@@ -65,7 +65,7 @@ def push(m: Memory, dt_s: float) -> None:
     """Torque and force of the valves that are open in the next `dt_s`, and what they use."""
     for axis in range(3):
         m[TORQUE + axis] = m[FORCE + axis] = 0.0
-    if m[LEFT_KG] <= 0.0:
+    if m[LEFT_KG] <= 0.0 or m[FROZEN] != 0.0:
         return
     for k in range(8):
         share = m[WORKS + k] * m[POWERED] * m[ON + k] / dt_s

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim import SpacecraftConfig
+from sim.components import thermal
 from sim.components.camera import Camera
 from sim.components.ion_engine import LEVELS, STANDARD_GRAVITY_M_S2, THROTTLE_TABLE, IonEngine
 from sim.components.power import RECOVERED_SOC, Power
@@ -16,6 +17,28 @@ CONFIG = SpacecraftConfig()
 
 def generator(seed=0):
     return np.random.default_rng(seed)
+
+
+def warmed(unit, heat):
+    """A unit whose temperature takes its course before it does."""
+    own = unit.step
+
+    def step(dt_s):
+        thermal.step(heat.memory, dt_s)
+        return own(dt_s)
+
+    unit.step = step
+    return unit
+
+
+def engine_of(config, source):
+    heat = thermal.Thermal(config, source)
+    return warmed(IonEngine(config, source, heat.cathode), heat)
+
+
+def camera_of(config, source):
+    heat = thermal.Thermal(config, source)
+    return warmed(Camera(config, source, heat.camera), heat)
 
 
 def test_throttle_table_has_the_public_range():
@@ -37,7 +60,7 @@ def test_throttle_table_has_the_public_range():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_engine_start_and_stop_take_their_spans(seed):
-    engine = IonEngine(CONFIG, generator(seed))
+    engine = engine_of(CONFIG, generator(seed))
     assert engine.start() is None
     seconds = 0
     while engine.state == "starting":
@@ -56,7 +79,7 @@ def test_engine_start_and_stop_take_their_spans(seed):
 
 
 def test_engine_uses_xenon_and_counts_thrust():
-    engine = IonEngine(CONFIG, generator())
+    engine = engine_of(CONFIG, generator())
     engine.start()
     for _ in range(1300):
         engine.step(1.0)
@@ -76,7 +99,7 @@ def test_engine_uses_xenon_and_counts_thrust():
 
 
 def test_engine_refuses_what_its_state_forbids():
-    engine = IonEngine(CONFIG, generator())
+    engine = engine_of(CONFIG, generator())
     for refused in (engine.idle(), engine.stop(), engine.thrust(6)):
         assert refused is not None
         assert "found standby" in refused
@@ -87,7 +110,7 @@ def test_engine_refuses_what_its_state_forbids():
 
 
 def test_engine_without_xenon_goes_out():
-    engine = IonEngine(SpacecraftConfig(xenon_kg=1e-5, engine_start_s=(1.0, 1.0)), generator())
+    engine = engine_of(SpacecraftConfig(xenon_kg=1e-5, engine_start_s=(1.0, 1.0)), generator())
     engine.start()
     engine.step(1.0)
     engine.thrust(90)
@@ -99,7 +122,7 @@ def test_engine_without_xenon_goes_out():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_camera_warms_up_and_takes_a_frame_in_its_spans(seed):
-    camera = Camera(CONFIG, generator(seed))
+    camera = camera_of(CONFIG, generator(seed))
     assert "found off" in str(camera.expose("x", 10.0))
     camera.power(True)
     seconds = 0
@@ -122,7 +145,7 @@ def test_camera_warms_up_and_takes_a_frame_in_its_spans(seed):
 
 @pytest.mark.parametrize(("error", "rate", "good"), [(1e-4, 1e-5, True), (1e-2, 0.0, False), (0.0, 1e-3, False)])
 def test_a_frame_is_good_when_aimed_and_steady(error, rate, good):
-    camera = Camera(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
+    camera = camera_of(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
     camera.power(True)
     camera.step(1.0)
     camera.expose("x", 5.0)
@@ -134,7 +157,7 @@ def test_a_frame_is_good_when_aimed_and_steady(error, rate, good):
 
 
 def test_camera_off_loses_the_frame_and_the_heat():
-    camera = Camera(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
+    camera = camera_of(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
     camera.power(True)
     camera.step(1.0)
     camera.expose("x", 5.0)
@@ -152,7 +175,7 @@ def test_camera_off_loses_the_frame_and_the_heat():
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, 601.0])
 def test_camera_refuses_exposures_beyond_its_limit(seconds):
-    camera = Camera(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
+    camera = camera_of(SpacecraftConfig(camera_warmup_s=(1.0, 1.0)), generator())
     camera.power(True)
     camera.step(1.0)
     assert "at most 600" in str(camera.expose("x", seconds))
