@@ -47,6 +47,7 @@ text {{ font-family: {_FACE}; font-size: 9px; }}
 .end {{ text-anchor: end; }}
 .edge, .bound, .tick {{ paint-order: stroke; stroke-width: 4px; stroke-linejoin: round; }}
 .grid {{ stroke-width: 0.6; }}
+.fade {{ opacity: 0.6; }}
 .hatch {{ stroke-width: 1.4; opacity: 0.16; }}
 .box {{ stroke-width: 1; }}
 .box.goal {{ stroke-width: 2; }}

@@ -9,6 +9,7 @@ from planner.files import write_whole
 from planner.plan import FlexiblePlan
 from scenarios.drawing.layout import LINE, MARGIN, TICKS, Box, Lane, Layout, boxes_of, lay_out
 from scenarios.drawing.links import Link, links_of
+from scenarios.drawing.strips import OVERLAP, Strip, strips_of
 from scenarios.drawing.style import HUES, STYLE
 from scenarios.drawing.text import SMALL, bounds, parameters, width, xml
 
@@ -24,20 +25,34 @@ _LEGEND = (
 )
 
 
+_HEAD = 28.0
+"""Height of the title above everything else."""
+
+
 def draw(plan: FlexiblePlan) -> str:
     """The SVG text of a plan."""
     layout = lay_out(plan)
     links = links_of(plan, layout)
     shown = {link.style for link in links}
     legend = [entry for entry in _LEGEND if entry[0] in _kinds(layout) | shown]
-    wide = max(layout.wide, 560.0, MARGIN * 2 + width(_title(plan)))
-    parts = [
-        *_frame(plan, layout, wide),
+    content = [
+        *_grid(layout),
         *(part for link in links for part in _link(link)),
         *(part for lane in layout.lanes for part in _lane(lane, _hues(layout))),
         *(_link_label(link) for link in links if link.label_at is not None),
     ]
-    rows, bottom = _legend(legend, wide, layout.high)
+    strips = strips_of(layout)
+    room = max(strip.right - strip.left for strip in strips) + 2 * OVERLAP
+    wide = layout.wide if len(strips) == 1 else layout.gutter + room + MARGIN
+    wide = max(wide, 560.0, MARGIN * 2 + width(_title(plan)))
+    parts = [f'<text class="title" x="{MARGIN}" y="22">{xml(_title(plan))}</text>']
+    if len(strips) == 1:
+        parts += [*_bands(layout, wide, 0), *content]
+    else:
+        parts += ["<defs>", '<g id="plan">', *content, "</g>", "</defs>"]
+        for number, strip in enumerate(strips):
+            parts += _strip(layout, strip, wide, number, number == len(strips) - 1)
+    rows, bottom = _legend(legend, wide, _HEAD + len(strips) * (layout.high - _HEAD))
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.0f}" height="{bottom:.0f}" '
         f'viewBox="0 0 {wide:.0f} {bottom:.0f}" role="img" aria-label="{xml(_title(plan))}">'
@@ -66,16 +81,38 @@ def _title(plan: FlexiblePlan) -> str:
     return f"{plan.model}: {len(plan.tokens)} tokens, horizon {bounds(plan.horizon)}"
 
 
-def _frame(plan: FlexiblePlan, layout: Layout, wide: float) -> Iterator[str]:
-    """Title, columns of times, and the bands behind the timelines."""
-    yield f'<text class="title" x="{MARGIN}" y="22">{xml(_title(plan))}</text>'
+def _bands(layout: Layout, wide: float, down: float) -> Iterator[str]:
+    """The bands behind the timelines, with their names."""
     for lane in layout.lanes:
-        band = f'x="0" y="{lane.y - 7:.1f}" width="{wide:.0f}" height="{lane.high + 9:.1f}"'
-        yield f'<rect class="band" {band}/>'
-        yield f'<text class="lane" x="{MARGIN}" y="{lane.y + LINE:.1f}">{xml(lane.name)}</text>'
+        y = lane.y + down
+        yield f'<rect class="band" x="0" y="{y - 7:.1f}" width="{wide:.0f}" height="{lane.high + 9:.1f}"/>'
+        yield f'<text class="lane" x="{MARGIN}" y="{y + LINE:.1f}">{xml(lane.name)}</text>'
+
+
+def _grid(layout: Layout) -> Iterator[str]:
+    """Columns of times."""
     for x, text in layout.ticks:
         yield f'<line class="grid" x1="{x:.1f}" y1="{TICKS + 4}" x2="{x:.1f}" y2="{layout.high - 20:.1f}"/>'
         yield f'<text class="tick" x="{x:.1f}" y="{TICKS}">{text}</text>'
+
+
+def _strip(layout: Layout, strip: Strip, wide: float, number: int, is_last: bool) -> Iterator[str]:
+    """A piece of the drawing, what it shares with its neighbours faded, and the names of what began before it."""
+    high = layout.high - _HEAD
+    top, room = _HEAD + number * high, strip.right - strip.left + 2 * OVERLAP
+    yield from _bands(layout, wide, number * high)
+    yield (
+        f'<svg x="{layout.gutter:.1f}" y="{top:.1f}" width="{room:.1f}" height="{high:.1f}" '
+        f'viewBox="{strip.left - OVERLAP:.1f} {_HEAD} {room:.1f} {high:.1f}"><use href="#plan"/></svg>'
+    )
+    fade = f'class="back fade" y="{top:.1f}" width="{OVERLAP}" height="{high:.1f}"'
+    if number:
+        yield f'<rect {fade} x="{layout.gutter:.1f}"/>'
+    if not is_last:
+        yield f'<rect {fade} x="{layout.gutter + room - OVERLAP:.1f}"/>'
+    for box in strip.continued:
+        x, y = layout.gutter + OVERLAP + 5, box.y + LINE + number * high
+        yield f'<text class="more" x="{x:.1f}" y="{y:.1f}">… {xml(box.lines[0])}</text>'
 
 
 def _hues(layout: Layout) -> dict[str, int]:

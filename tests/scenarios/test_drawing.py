@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from itertools import combinations
+from dataclasses import replace
+from itertools import combinations, pairwise
 from pathlib import Path
 from random import Random
 from xml.etree import ElementTree
@@ -15,6 +16,7 @@ from planner.plan import FlexiblePlan, PlanConstraint, PlanTimeline, PlanToken
 from scenarios.cli import app
 from scenarios.drawing.layout import Box, Layout, boxes_of, lay_out
 from scenarios.drawing.links import Edge, Link, _constraints, _leads, links_of, reduced
+from scenarios.drawing.strips import OVERLAP, WIDEST, strips_of
 from scenarios.drawing.svg import draw
 from scenarios.drawing.text import SMALL, bounds, width
 from scenarios.plan_verb import plan_file
@@ -133,8 +135,38 @@ def test_the_document_is_whole(plan: FlexiblePlan) -> None:
     assert "prefers-color-scheme: dark" in text
     assert "http" not in text.replace("http://www.w3.org/2000/svg", "")
     goals = {token.goal for token in plan.tokens if token.goal is not None}
-    assert len(list(root.iter(f"{NAME}g"))) == len(list(boxes_of(layout)))
+    assert len([g for g in root.iter(f"{NAME}g") if g.get("id") is None]) == len(list(boxes_of(layout)))
     assert all(any(f"goal {goal}" in title for title in titles) for goal in goals)
+
+
+def test_strips_are_narrow_and_leave_nothing_out(plan: FlexiblePlan) -> None:
+    layout = lay_out(plan)
+    strips = strips_of(layout)
+    if len(strips) == 1:
+        assert layout.wide <= WIDEST
+        return
+    boxes = list(boxes_of(layout))
+    assert strips[0].left == min(box.x for box in boxes)
+    assert strips[-1].right == max(box.right for box in boxes)
+    assert all(one.right == following.left for one, following in pairwise(strips))
+    assert all(strip.right - strip.left <= WIDEST - layout.gutter for strip in strips)
+    for number, strip in enumerate(strips):
+        across = [box for box in boxes if box.x < strip.left - OVERLAP and box.right > strip.left + OVERLAP]
+        assert list(strip.continued) == across
+        assert number or not across
+    text = draw(plan)
+    assert text.count('href="#plan"') == len(strips)
+    assert text.count('class="lane"') == len(strips) * len(layout.lanes)
+
+
+def test_a_box_wider_than_a_strip() -> None:
+    plan = invented(3, 60)
+    long = PlanToken("long", "all", "s", "All.day", {}, (0, 0), (2000, 2000), (1, None))
+    lane = PlanTimeline("all", "s", (("long",),))
+    layout = lay_out(replace(plan, tokens=(*plan.tokens, long), timelines=(*plan.timelines, lane)))
+    strips = strips_of(layout)
+    assert len(strips) > 1
+    assert all(any(box.token.id == "long" for box in strip.continued) for strip in strips[1:])
 
 
 def order(links: list[Link], layout: Layout) -> dict[Edge, set[Edge]]:
