@@ -33,6 +33,8 @@ INVERSE = dict(_INVERSES) | {b: a for a, b in _INVERSES}
 INVERSE |= {name: name for name in ("any", "equals", "equal", "starts", "ends")}
 INVERSE |= {"containedBy": "contains", "paralleledBy": "parallels"}
 
+_RESOURCES = ("Reservoir", "Reusable", "CBReusable")
+
 
 class Supports:
     """Which actions have which predicates as effects."""
@@ -56,6 +58,8 @@ class Supports:
                 (cls, name), owner = scope.predicate_of(values.meant(target.path), target.at)
                 if owner is not None and owner.path[0] in scope.names:
                     owner = None  # a local variable of the action: what becomes of it cannot be said from outside
+                if any(self.symbols.is_subclass(cls, resource) for resource in _RESOURCES):
+                    continue  # a transaction says how much is taken or given: nothing has to bring it about
                 declaring = self.symbols.predicates_of(cls)[name].cls
                 self._effects.setdefault((declaring, name), []).append((action, relation.relation, owner))
                 self._at.setdefault((declaring, name), rule.at)

@@ -294,3 +294,31 @@ def test_a_grounded_profile_is_kept_in_the_schedule_of_earliest_times_only() -> 
     assert grounded.plan.token("t0").start[1] > 90
     assert flexible.plan.token("t0").start[1] <= 90
     assert check(grounded.plan, grounded.model) == ()
+
+
+def test_what_an_action_takes_from_a_resource_asks_for_no_action() -> None:
+    run = Run(
+        TANK
+        + """
+        class Valve extends Timeline { predicate Shut {} predicate Open {} }
+        class Keeper {
+          Valve valve; Tank tank;
+          Keeper(Tank t) { valve = new Valve(); tank = t; }
+          action Turn { eq(duration, 2); }
+        }
+        Keeper::Turn {
+          met_by(condition object.valve.Shut);
+          meets(effect object.valve.Open);
+          starts(effect object.tank.consume c);
+          eq(c.quantity, 1.0);
+        }
+        Keeper keeper = new Keeper(tank);
+        fact(keeper.valve.Shut s); eq(s.start, 0);
+        goal(tank.consume leak); leak.time.specify(30); leak.quantity.specify(1.0);
+        goal(keeper.valve.Open o); leq(o.start, 20); leq(5, o.start);
+        """
+    )
+    assert run.plan is not None
+    predicates = [token.predicate for token in run.plan.tokens]
+    assert (predicates.count("Keeper.Turn"), predicates.count("Reservoir.consume")) == (1, 2)
+    assert check(run.plan, run.model) == ()
