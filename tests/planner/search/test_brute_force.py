@@ -87,11 +87,11 @@ def test_search_against_the_oracle(engine: str) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_search_with_constraint_tokens_against_the_oracle(engine: str) -> None:
-    results = list(disagreements(range(250), engine, keeping=True))
+    results = list(disagreements(range(150), engine, keeping=True))
     assert not [r for r in results if r[1].startswith("WRONG")]
     counts = Counter(kind for _, kind in results)
-    assert counts["solved"] > 40
-    assert counts["impossible"] > 40
+    assert counts["solved"] > 20
+    assert counts["impossible"] > 30
 
 
 def _without(forgotten: Callable[[Decision], bool]) -> Callable[[OpenToken, PlanDatabase], Iterator[Decision]]:
