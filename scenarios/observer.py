@@ -6,12 +6,16 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from executive.port import TelemetryValue
 from planner.plan import FlexiblePlan
 from scenarios.bridge import scene_of
 from scenarios.config import Scenario
 from scenarios.recording import Channel, RunRecorder
 from sim import RenderingUnavailable, Spacecraft
+from sim.navigation import Frame
 
 SAMPLE_PERIOD_S = 10
 CHASE_PERIOD_S = 1800
@@ -39,7 +43,7 @@ CHANNELS = (
 
 
 class Observer:
-    """Feeds a RunRecorder. `images`: how many camera pictures it recorded. `warn`: told once why there are none."""
+    """Feeds a RunRecorder. `images`: how many pictures it recorded. `warn`: told once why there are no views."""
 
     def __init__(
         self, scenario: Scenario, spacecraft: Spacecraft, path: Path, render: bool, warn: Callable[[str], None]
@@ -47,7 +51,8 @@ class Observer:
         self._spacecraft = spacecraft
         self._render = render
         self._warn = warn
-        self._images_taken = 0
+        self._frame: Frame | None = None
+        self._drawing = True
         self.images = 0
         self._recorder = RunRecorder(
             path,
@@ -66,11 +71,12 @@ class Observer:
             state = self._spacecraft.state_for_recording()
             thrusting = telemetry["ips.state"] == "thrusting"
             self._recorder.telemetry(time, telemetry, state.attitude_IB, 1.0 if thrusting else 0.0)
-        if telemetry["micas.images"] != self._images_taken:
-            self._images_taken = int(telemetry["micas.images"])
-            self._picture(time, "micas", f"image {self._images_taken} of {telemetry['acs.target']}")
+        frame = self._spacecraft.last_frame
+        if frame is not None and frame is not self._frame:
+            self._frame = frame
+            self._science(time, frame, int(telemetry["micas.images"]))
         if time % CHASE_PERIOD_S == 0:
-            self._picture(time, "chase", f"{telemetry['acs.target']}, engine {telemetry['ips.state']}")
+            self._chase(time, f"{telemetry['acs.target']}, engine {telemetry['ips.state']}")
 
     def event(self, entry: Mapping[str, Any]) -> None:
         """A journal entry."""
@@ -85,17 +91,52 @@ class Observer:
         self._recorder.close()
         self._spacecraft.close()
 
-    def _picture(self, time: int, camera: str, caption: str) -> None:
+    def _science(self, time: int, frame: Frame, images: int) -> None:
+        """A frame of the science camera as it came, dark sky to black, with what was found in it."""
         if not self._render:
             return
-        try:
-            pixels = self._spacecraft.render(camera, IMAGE_SIZE, IMAGE_SIZE)
-        except RenderingUnavailable as error:
-            self._render = False
-            self._warn(f"the run goes on without pictures: {error}")
-            return
-        self._recorder.image(time, pixels, "micas" if camera == "micas" else "chase", caption)
+        against = {"stars": f"measured against {len(frame.stars)} stars", "attitude": "measured against the attitude"}
+        caption = f"{frame.target}: {against.get(frame.status, frame.status)}; {images} good so far"
+        self._recorder.image(time, shown(frame), "micas", caption)
         self.images += 1
+
+    def _chase(self, time: int, caption: str) -> None:
+        """The spacecraft from outside, while there is OpenGL to draw it."""
+        if not self._render or not self._drawing:
+            return
+        try:
+            pixels = self._spacecraft.render("chase", IMAGE_SIZE, IMAGE_SIZE)
+        except RenderingUnavailable as error:
+            self._drawing = False
+            self._warn(f"the run goes on without views from outside: {error}")
+            return
+        self._recorder.image(time, pixels, "chase", caption)
+        self.images += 1
+
+
+def shown(frame: Frame) -> NDArray[np.uint8]:
+    """A frame as a picture (n, n, 3): the square root of what is over the sky, so that faint stars are seen too.
+
+    Stars that were recognised have a blue box about them, the target an orange one.
+    """
+    light = frame.pixels.astype(np.float64)
+    sky, bright = np.median(light), max(float(np.percentile(light, 99.95)), 1.0)
+    level = np.sqrt(np.clip((light - sky) / max(bright - sky, 1.0), 0.0, 1.0))
+    picture = np.repeat(np.rint(255.0 * level).astype(np.uint8)[:, :, None], 3, axis=2)
+    for column, row in frame.stars.tolist():
+        _box(picture, column, row, 7, (90, 160, 255))
+    if frame.place is not None:
+        _box(picture, *frame.place, 36, (255, 150, 40))
+    return picture
+
+
+def _box(picture: NDArray[np.uint8], column: float, row: float, half: int, colour: tuple[int, int, int]) -> None:
+    """Outline a square about a place, as far as it lies in the picture."""
+    edge = picture.shape[0] - 1
+    left, top = max(0, round(column) - half), max(0, round(row) - half)
+    right, bottom = min(edge, round(column) + half), min(edge, round(row) + half)
+    picture[[top, bottom], left : right + 1] = colour
+    picture[top : bottom + 1, [left, right]] = colour
 
 
 class Unobserved:

@@ -24,6 +24,7 @@ class Target:
     `direction_I`: its direction in the inertial frame at time 0 (any length but null). `angular_diameter_rad`: what the
     camera sees of it then, 0 for a point. `distance_au`: how far off it is then, on a circular orbit about the Sun; 0:
     at infinity, the direction never changes. `orbit`: a body's elements, instead of direction and distance.
+    `magnitude`: of a point, or of each pixel of a disc.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Target:
     angular_diameter_rad: float = 0.0
     distance_au: float = 0.0
     orbit: Elements | None = None
+    magnitude: float = 9.0
 
 
 # Assumption: one sky of a cruise year. At time 0 the Sun on +X of the inertial frame, whose X-Y plane is the ecliptic;
@@ -106,6 +108,7 @@ class SpacecraftConfig:
     gyro_bias_rad_s: float = 5.0e-6
     gyro_bias_walk_rad_s_rs: float = 1.0e-10
     tracker_noise_rad: tuple[float, float, float] = (6.0e-5, 1.0e-5, 1.0e-5)
+    tracker_frames: bool = False  # measure with pictures of the sky, at a tenth of a second each, instead of the noise
     tracker_rate_limit_rad_s: float = math.radians(0.07)
     tracker_sun_exclusion_rad: float = math.radians(30.0)
     sun_sensor_noise_rad: float = math.radians(0.1)
@@ -136,6 +139,7 @@ class SpacecraftConfig:
     camera_exposure_limit_s: float = 600.0
     camera_pointing_error_rad: float = 3.0e-3
     camera_smear_rate_rad_s: float = 1.0e-4
+    camera_frames: bool = True  # make each frame and look for the target in it; else the limits above alone decide
     image_Mbit: float = 12.6
     # radio and recorder
     radio_on_W: float = 15.0

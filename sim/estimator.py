@@ -23,6 +23,7 @@ from sim.components.hooks import refuse_fault
 from sim.config import SpacecraftConfig
 from sim.kernels import Memory
 from sim.quaternion import Quaternion
+from sim.star_tracker import StarTracker
 
 TRACKER_AXIS_B = (-1.0, 0.0, 0.0)
 _BLOCK = 256
@@ -35,8 +36,16 @@ class Sensors:
         f"sun_sensor.{axis}": law.SUN_READING + place for place, axis in enumerate("xyz")
     }
 
-    def __init__(self, config: SpacecraftConfig, generator: Generator, attitude_IB: Quaternion) -> None:
+    def __init__(
+        self,
+        config: SpacecraftConfig,
+        generator: Generator,
+        attitude_IB: Quaternion,
+        star_tracker: StarTracker | None = None,
+    ) -> None:
         self._generator = generator
+        self._star_tracker = star_tracker
+        self._tracker_works = True
         self.memory: Memory = np.zeros(law.SENSORS_SIZE)
         s = self.memory
         s[law.ANGLE_NOISE] = config.gyro_angle_walk_rad_rs
@@ -73,7 +82,18 @@ class Sensors:
             self._generator.standard_normal(out=self._block)
             self._next = 0
         self._next += 1
+        if self._star_tracker is not None:
+            self._measure(self._star_tracker, self._block[self._next - 1])
         return self._block, self._next - 1
+
+    def _measure(self, star_tracker: StarTracker, noise: Memory) -> None:
+        """What a picture of the sky gets wrong takes the place of the tracker's noise; without a fix there is none."""
+        s = self.memory
+        w, x, y, z = s[law.LAST_TRUTH : law.LAST_TRUTH + 4].tolist()
+        error_B = star_tracker.error_B((w, x, y, z))
+        s[law.TRACKER_WORKS] = self._tracker_works and error_B is not None
+        if error_B is not None:
+            noise[law.TRACKER_COLUMNS] = error_B / s[law.TRACKER_NOISE : law.TRACKER_NOISE + 3]
 
     def telemetry(self) -> dict[str, str]:
         """State of the star tracker."""
@@ -83,7 +103,8 @@ class Sensors:
         """`tracker_fails`, `sun_fails`: no readings. `bias_jump`: the gyro's bias steps by `size` deg/h an axis."""
         s = self.memory
         if mode == "tracker_fails":
-            s[law.TRACKER_WORKS] = 0.0 if active else 1.0
+            self._tracker_works = not active
+            s[law.TRACKER_WORKS] = self._tracker_works
         elif mode == "sun_fails":
             s[law.SUN_WORKS] = 0.0 if active else 1.0
         elif mode == "bias_jump":

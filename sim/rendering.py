@@ -1,7 +1,7 @@
 """Pictures: MuJoCo draws what has a shape, `sim.sky` the stars behind it.
 
 `micas`: through the science camera, 0.7 degrees high. Targets with an angular diameter near its boresight are drawn as
-an ellipsoid lit from the Sun; the stars are a made-up sky (see `sim.sky`), not a catalogue.
+an ellipsoid lit from the Sun; the stars are the real ones (see `sim.sky`).
 `chase`: the spacecraft from outside, the plume shown while thrusting.
 """
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.environment import Environment
 from sim.errors import ConfigurationError
 from sim.offscreen import make_context
-from sim.sky import make_sky, star_image
+from sim.sky import load_sky, star_image
 
 CAMERAS = ("micas", "chase")
 LARGEST_FRAME = 1024
@@ -32,7 +32,7 @@ class Renderer:
     def __init__(self, model: mujoco.MjModel, environment: Environment) -> None:
         self._model = model
         self._environment = environment
-        self._sky = make_sky()
+        self._sky = load_sky()
         self._context: Any = make_context(LARGEST_FRAME, LARGEST_FRAME)
         self._context.make_current()
         self._mjr = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)

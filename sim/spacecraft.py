@@ -37,14 +37,17 @@ from sim.faults import FaultHook, FaultSchedule
 from sim.filter_law import GYRO_BIAS, TRACKER_POWERED
 from sim.flight_loop import FlightLoop, Units
 from sim.ground import GroundSegment
+from sim.imager import Imager
 from sim.kernels import Memory
+from sim.navigation import Frame
 from sim.physics import Physics
 from sim.quaternion import Vector, rotate_inverse
 from sim.recorded_state import RecordedState
 from sim.rendering import Renderer
+from sim.star_tracker import StarTracker
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
-_GENERATORS = ("wheels", "ips", "micas", "sensors", "thermal")
+_GENERATORS = ("wheels", "ips", "micas", "sensors", "thermal", "optics", "tracker")
 _SWITCH_ON = ("ips.start", "ips.thrust", "micas.power", "micas.expose", "radio.power", "radio.downlink")
 _UNDERVOLTAGE = "bus undervoltage: only base loads until the battery recovers"
 
@@ -76,13 +79,15 @@ class Spacecraft:
             (config.wheel_viscous_Nms, config.wheel_dry_Nm, config.wheel_friction_left),
         )
         self._thrusters = Thrusters(config)
-        self._sensors = Sensors(config, generators["sensors"], attitude_IB)
+        tracker = StarTracker(generators["tracker"]) if config.tracker_frames else None
+        self._sensors = Sensors(config, generators["sensors"], attitude_IB, tracker)
         bias = self._sensors.memory[GYRO_BIAS : GYRO_BIAS + 3].copy()
         self._estimator = Estimator(config, generators["sensors"], attitude_IB, bias)
         self._thermal = Thermal(config, generators["thermal"])
         self._engine = IonEngine(config, generators["ips"], self._thermal.cathode)
         self._gimbals = Gimbals(config)
         self._camera = Camera(config, generators["micas"], self._thermal.camera)
+        self._imager = Imager(self.environment, generators["optics"])
         self._power = Power(config)
         self._radio = Radio(config)
         self._recorder = Recorder(config.recorder_capacity_Mbit)
@@ -119,6 +124,7 @@ class Spacecraft:
             self._thrusters,
             self._engine,
             self._camera,
+            self._imager,
         )
         self._switched = True
         self._was_undervoltage = False
@@ -229,6 +235,11 @@ class Spacecraft:
         """What has arrived on the ground, a light time after it was sent."""
         return self._ground.received_Mbit(float(self.time))
 
+    @property
+    def last_frame(self) -> Frame | None:
+        """The science camera's last frame with what was found in it; None before the first."""
+        return self._imager.frame
+
     def angular_momentum_I(self) -> Vector:
         """Of spacecraft and wheels about the centre of mass, N m s: constant without sunlight and thrusters."""
         return self._physics.angular_momentum_I()
@@ -297,9 +308,14 @@ class Spacecraft:
         if camera.shutter_open:
             error = self.environment.pointing_error_rad(self._physics.attitude_IB, camera.target, float(self.time))
             camera.watch(error, math.hypot(*self._physics.rate_B))
-        frame = camera.step(dt_s)
-        if frame is not None and self._recorder.store(self._config.image_Mbit) and frame:
-            camera.images += 1
+            if self._config.camera_frames:
+                self._imager.look(self._physics.attitude_IB, self._estimator.attitude_IB)
+        good = camera.step(dt_s)
+        if good is not None:
+            if self._config.camera_frames:
+                good = self._imager.develop(camera.target, camera.exposed_s, float(self.time)) and good
+            if self._recorder.store(self._config.image_Mbit) and good:
+                camera.images += 1
         return state != camera.state
 
     def _balance(self) -> None:

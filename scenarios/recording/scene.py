@@ -18,6 +18,8 @@ Quaternion = tuple[float, float, float, float]
 WORLD = "/world"
 CRAFT = "/world/spacecraft"
 CAMERA = "/world/spacecraft/camera"
+IMAGE_PX = 512
+"""A side of the science camera's frames."""
 CAMERA_IMAGE = "/world/spacecraft/camera/image"
 THRUST = "/world/spacecraft/thrust"
 SHAPES = ("box", "cylinder", "sphere")
@@ -156,7 +158,7 @@ def _draw_camera(stream: Stream, camera: Camera, reach: float) -> None:
     down = np.cross(forward, right)
     axes = np.column_stack([right, down, forward])
     stream.static(CAMERA, rr.Transform3D(translation=camera.position, mat3x3=axes))
-    pinhole = rr.Pinhole(resolution=[256, 256], focal_length=300.0, image_plane_distance=reach * 0.5)
+    pinhole = rr.Pinhole(resolution=[IMAGE_PX, IMAGE_PX], focal_length=1.2 * IMAGE_PX, image_plane_distance=reach * 0.5)
     stream.static(CAMERA_IMAGE, pinhole)
 
 

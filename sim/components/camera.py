@@ -1,7 +1,8 @@
 """MICAS, the camera: switched on it warms up, then exposes on command; the whole spacecraft aims it.
 
 A frame is good when the target stayed within the pointing limit and the spacecraft within the smear rate all through
-the exposure. Good or not, it is read out and goes to the recorder.
+the exposure, and the target was found in it (see `sim.navigation`). Good or not, it is read out and goes to the
+recorder.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ class Camera:
         self._stuck_on = False
         self._warmup_factor = 1.0
         self._powered = True
+        self.exposed_s = 0.0
         self.target = ""
         self.switch_on = False
         self.state = "off"
@@ -71,7 +73,7 @@ class Camera:
             return f"micas.expose.seconds: expected more than 0 and at most {limit:g}, found {seconds:g}"
         self.state = "exposing"
         self.target = target
-        self._left_s = seconds
+        self._left_s = self.exposed_s = seconds
         self._readout_s = float(self._generator.uniform(*self._config.camera_readout_s))
         self._good = True
         return None

@@ -96,7 +96,7 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
                 f"found {seconds_per_step}, {horizon_s}"
             )
         self.render_mode = render_mode
-        self._config = config or SpacecraftConfig()
+        self._config = config or SpacecraftConfig(camera_frames=False)
         self._seconds = seconds_per_step
         self._horizon_s = horizon_s
         self._names = tuple(target.name for target in self._config.targets)

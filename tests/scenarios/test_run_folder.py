@@ -1,4 +1,4 @@
-"""Runs as files: repeatable, side by side, interrupted, without pictures."""
+"""Runs as files: repeatable, side by side, interrupted, without OpenGL."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_without_opengl_the_run_goes_on_and_says_so_once(tmp_path: Path) -> None
     answer = remote_agent("run", small(tmp_path), "--no-faults", "--json", "--out", tmp_path / "run")
     assert answer.status == 0
     assert answer.json()["outcome"] == "completed"
-    assert answer.json()["recording"]["images"] == 0
+    assert answer.json()["recording"]["images"] == 3  # the science camera's need no OpenGL
     (line,) = answer.err.splitlines()
-    assert line.startswith("remote-agent: the run goes on without pictures: ")
+    assert line.startswith("remote-agent: the run goes on without views from outside: ")
     assert "libegl1" in line
