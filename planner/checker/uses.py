@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice, product
+from itertools import islice
 
 from planner.checker.expressions import Expressions, Names, Path, Quantity
 from planner.checker.resources import check_resources
@@ -86,11 +86,35 @@ def transactions(
 
 
 def check_all_resources(view: View, choices: Sequence[Choice]) -> Iterator[Violation]:
-    """The resources, with some choice of ways; the violations of the first choice when there is none."""
-    first: list[Violation] | None = None
-    for ways in islice(product(*(c.ways for c in choices)), MOST_CHOICES):
+    """The resources, with some way for each rule; the violations of the first ways when there is no such choice.
+
+    Only another way for one of those who break a limit can mend it, since whatever else is used makes it no better: so
+    from each choice that fails the search goes on with those alone.
+    """
+    first: list[Violation] = []
+    waiting = [(0,) * len(choices)]
+    seen = set(waiting)
+    while waiting and len(seen) <= MOST_CHOICES:
+        chosen = waiting.pop()
+        ways = [choice.ways[number] for choice, number in zip(choices, chosen, strict=True)]
         found = list(check_resources(view, (t for way in ways for t in way)))
         if not found:
             return
-        first = found if first is None else first
-    yield from first or ()
+        first = first or found
+        for place in _blamed(ways, found[0]):
+            for number in reversed(range(len(choices[place].ways))):
+                other = (*chosen[:place], number, *chosen[place + 1 :])
+                if other not in seen:
+                    seen.add(other)
+                    waiting.append(other)
+    yield from first
+    if waiting:
+        text = f"none of {MOST_CHOICES} choices among the alternatives of rules keeps the resources; there are more"
+        yield Violation("resource", text)
+
+
+def _blamed(ways: Sequence[Way], violation: Violation) -> Iterator[int]:
+    """The places of the ways that have a part in a violation."""
+    for place, way in enumerate(ways):
+        if any(t.slot.id in violation.tokens and t.resource in violation.objects for t in way):
+            yield place

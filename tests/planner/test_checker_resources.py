@@ -263,6 +263,28 @@ def test_one_way_to_satisfy_each_rule_is_enough() -> None:
     assert {v.kind for v in check(at_work((3, 2)), model)} == {"resource"}
 
 
+def test_a_choice_is_sought_where_the_trouble_is() -> None:
+    """Of 2 ** 12 choices twelve are right: those with one worker on the common one."""
+    model = ModelBuilder("many", STANDARD)
+    worker = model.timeline("Worker")
+    work = worker.predicate("work", duration=(4, 4))
+    common, own = (model.object(name, "CBReusable", {"capacity": size}) for name, size in (("common", 1), ("own", 11)))
+    with work.requires() as this, this.either() as either:
+        for thing in (common, own):
+            with either.alternative() as way:
+                way.constrain("uses", thing, 1, way.start, way.end)
+    names = [f"w{n}" for n in range(12)]
+    for name in names:
+        model.object(name, "Worker")
+    tokens = tuple(PlanToken(f"t{n}", n, "state", "Worker.work", {}, (0, 0), (4, 4), (4, 4), goal=n) for n in names)
+    timelines = tuple(PlanTimeline(t.object, "state", ((t.id,),)) for t in tokens)
+    plan = FlexiblePlan("many", (0, 20), ("common", "own", *names), timelines, tokens, ())
+    manager = model.finish()
+    assert check(plan, manager) == ()
+    manager.objects["own"].members["capacity"] = 10
+    assert {v.kind for v in check(plan, manager)} == {"resource"}
+
+
 @pytest.mark.parametrize("state", [loaded, power_or_gas])
 def test_plans_with_uses_are_judged_as_their_schedules_are(state: State) -> None:
     model = workshop(state)
