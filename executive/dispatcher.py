@@ -68,7 +68,7 @@ def prepare() -> None:
 
 
 class Dispatcher:
-    """The execution of one network so far. An event costs its neighbours, a decision one pass over the timepoints."""
+    """The execution of one network so far. An event costs its neighbours, a decision those that may be performed."""
 
     def __init__(self, network: DispatchableNetwork) -> None:
         n = len(network.timepoints)
@@ -76,7 +76,8 @@ class Dispatcher:
         edges, waits, contingents = network.edges, network.waits, network.contingents
         self._graph = (edges, network.leaving, network.by_target, network.entering)
         self._waits, self._waiting = waits, network.waiting
-        self._state = state = np.zeros((kernel.ROWS, n), dtype=np.int64)
+        self._cells = np.zeros((n, kernel.COLUMNS), dtype=np.int64)
+        self._state = state = self._cells.T  # a quantity a row
         state[kernel.TIME] = state[kernel.UPPER] = _NEVER
         state[kernel.LOWER] = state[kernel.WAITED] = state[kernel.WISH] = -_NEVER
         # How many negative edges and waits lead from each timepoint to one that has not happened.
@@ -84,6 +85,10 @@ class Dispatcher:
         state[kernel.BLOCKED] += np.bincount(waits[:, 1], minlength=n)
         state[kernel.OPEN] = 1
         state[kernel.OPEN, contingents[:, 1]] = 0
+        state[kernel.PLACE] = -1
+        self._ready = np.zeros(n + 1, dtype=np.int64)
+        for node in np.nonzero(state[kernel.BLOCKED] == 0)[0].tolist():
+            kernel.admit(self._cells, self._ready, node)
         self._wait_end = np.full(len(waits), -_NEVER)
         self._by_waiter = np.argsort(waits[:, 1], kind="stable")
         self._of_waiter = np.searchsorted(waits[self._by_waiter, 1], np.arange(n + 1))
@@ -98,7 +103,7 @@ class Dispatcher:
 
     def __repr__(self) -> str:
         happened = np.count_nonzero(self._state[kernel.TIME] != _NEVER)
-        return f"Dispatcher({happened} of {self._state.shape[1]} timepoints have happened)"
+        return f"Dispatcher({happened} of {len(self._cells)} timepoints have happened)"
 
     @property
     def network(self) -> DispatchableNetwork:
@@ -154,7 +159,7 @@ class Dispatcher:
             how = kernel.LATEST if choice == "latest" else kernel.EARLIEST
         elif choice is not self._wishes:
             self._wish(choice)
-        found, time, deadline = kernel.decide(self._state, now, how, self._chosen)
+        found, time, deadline = kernel.decide(self._cells, self._ready, now, how, self._chosen)
         if not found:
             return None
         return Decision(int(time), tuple(self._chosen[:found].tolist()), None if deadline == _NEVER else int(deadline))
@@ -184,17 +189,17 @@ class Dispatcher:
             raise ValueError(f"{self._network.timepoints[timepoint]}: happened at {known}, told again at {time}")
         violation = self._violation(timepoint, time)
         touched = self._touched
-        count = kernel.propagate(state, timepoint, time, *self._graph, touched)
+        count = kernel.propagate(self._cells, self._ready, timepoint, time, *self._graph, touched)
         self._changed = set(touched[:count].tolist())
         for number in self._activates.get(timepoint, ()):
             rows = int(self._waiting[number]), int(self._waiting[number + 1])
             end = int(self._network.contingents[number, 1])
-            count = kernel.begin_waits(state, self._waits, self._wait_end, *rows, end, time, touched)
+            count = kernel.begin_waits(self._cells, self._ready, self._waits, self._wait_end, *rows, end, time, touched)
             self._changed.update(touched[:count].tolist())
         if (ended := self._ends.get(timepoint)) is not None:
             rows = int(self._waiting[ended]), int(self._waiting[ended + 1])
             count = kernel.end_waits(
-                state, self._waits, self._wait_end, *rows, self._by_waiter, self._of_waiter, touched
+                self._cells, self._waits, self._wait_end, *rows, self._by_waiter, self._of_waiter, touched
             )
             self._changed.update(touched[:count].tolist())
         return violation

