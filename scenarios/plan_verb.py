@@ -29,7 +29,7 @@ from planner.search.outcome import Limits, Outcome, Refusal
 from planner.temporal.network import TemporalNetworkManager
 from scenarios.drawing.svg import save as save_drawing
 from scenarios.errors import ScenarioError
-from scenarios.explaining.conflict import Conflict, Suspects, conflict_of
+from scenarios.explaining.conflict import Conflict, Suspects, Trials, conflict_of
 from scenarios.explaining.tokens import Rationale
 
 DEFAULT_HORIZONS = ((0, 100), (0, 1_000), (0, 10_000))
@@ -160,6 +160,15 @@ def _limits(program: Program, max_seconds: float, max_steps: int | None) -> Limi
     return Limits(max_steps, max_seconds)
 
 
+def judge(database: PlanDatabase) -> Refusal | None:
+    """Where nature decides durations, a plan has to hold whatever they turn out to be."""
+    assign_endless(database)
+    if not any(token.contingent for token in database.tokens.tokens):
+        return None
+    conflict = uncontrollable(extract(database))
+    return None if conflict is None else refusal_of(database, conflict)
+
+
 class _Planning:
     def __init__(
         self, model: ModelManager, program: Program, report: Report, horizon: tuple[int, int], engine: str
@@ -182,7 +191,7 @@ class _Planning:
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = ENGINES[self.engine].search(database, limits, self._judge, self._dead_end)
+            outcome = ENGINES[self.engine].search(database, limits, judge, self._dead_end)
         except Inconsistency as inconsistency:
             conflict = database.network.explain(inconsistency)
             self.suspects = Suspects(tuple(conflict), at_once=True)
@@ -190,14 +199,6 @@ class _Planning:
         solving = perf_counter()
         loaded = loaded or solving
         return self.answer(outcome, conflict, loaded - started, solving - loaded)
-
-    def _judge(self, database: PlanDatabase) -> Refusal | None:
-        """Where nature decides durations, a plan has to hold whatever they turn out to be."""
-        assign_endless(database)
-        if not any(token.contingent for token in database.tokens.tokens):
-            return None
-        conflict = uncontrollable(extract(database))
-        return None if conflict is None else refusal_of(database, conflict)
 
     def _dead_end(self, owners: Sequence[Owner]) -> str:
         """Note who met at the dead end that is nearest to the problem so far, and say it."""
@@ -234,7 +235,8 @@ class _Planning:
         limits = Limits(answer.steps, max_seconds)
         proven = answer.verdict == "unsolvable"
         span = self.database.horizon
-        found = conflict_of(self.model, self.program, span, self.engine, limits, self.suspects, proven)
+        trials = Trials(self.model, self.program, span, self.engine, judge, limits)
+        found = conflict_of(trials, self.suspects, proven)
         if found.proven and not proven:
             answer = replace(answer, verdict="unsolvable", reason="no plan exists: a part of the problem has none")
         return replace(answer, explanation=found)

@@ -14,9 +14,8 @@ from planner.errors import PlannerError
 from planner.language.nddl.errors import Report
 from planner.language.nddl.program import Program, Stated
 from planner.model.manager import ModelManager
-from planner.search.endless import assign_endless
 from planner.search.engines import ENGINES
-from planner.search.outcome import Limits
+from planner.search.outcome import Acceptance, Limits
 from planner.tokens.instance import RuleInstance
 from scenarios.explaining.statements import Requirements, chosen_statements, written
 
@@ -96,18 +95,28 @@ class Suspects:
     at_once: bool = False
 
 
-class _Trials:
-    """Parts of a problem tried: do they propagate, do they have a plan."""
+class Trials:
+    """Parts of a problem tried: do they propagate, do they have a plan that `accept` does not refuse.
+
+    `limits`: the steps of the search that failed, and seconds for all trials together.
+    """
 
     def __init__(
-        self, model: ModelManager, requirements: Requirements, horizon: tuple[int, int], engine: str, limits: Limits
+        self,
+        model: ModelManager,
+        program: Program,
+        horizon: tuple[int, int],
+        engine: str,
+        accept: Acceptance,
+        limits: Limits,
     ) -> None:
         self.model = model
-        self.requirements = requirements
-        self.facts = requirements.stated("fact")
+        self.requirements = Requirements(program, model)
+        self.facts = self.requirements.stated("fact")
         self.horizon = horizon
         self.engine = ENGINES[engine]
-        self.limits = limits
+        self.accept = accept
+        self.steps = max(_STEPS_AT_LEAST, _TIMES_AS_MANY * limits.max_steps)
         self.deadline = perf_counter() + limits.max_seconds
         self.count = 0
         self.met: list[Owner] = []
@@ -136,15 +145,15 @@ class _Trials:
             self.requirements.program_of(chosen).carry_out(database, Report())
             if not search:
                 return False
-            limits = Limits(self.limits.max_steps, left * _SHARE)
-            outcome = self.engine.search(database, limits, assign_endless, lambda owners: _keep(met, owners))
+            limits = Limits(self.steps, left * _SHARE)
+            outcome = self.engine.search(database, limits, self.accept, lambda owners: _keep(met, owners))
         except Inconsistency as inconsistency:
             self.met, self.dead_end = database.network.explain(inconsistency), None
             return True
         except PlannerError:
             return None  # what is left out was needed for the rest to mean anything
         if outcome.exhausted:
-            nearest = "" if outcome.conflict is None else outcome.conflict[1]
+            nearest = outcome.refusal or ("" if outcome.conflict is None else outcome.conflict[1])
             self.met, self.dead_end = ([], nearest) if nearest else (met, None)
             return True
         return False if outcome.complete else None
@@ -155,24 +164,13 @@ def _keep(met: list[Owner], owners: Sequence[Owner]) -> str:
     return ""
 
 
-def conflict_of(
-    model: ModelManager,
-    program: Program,
-    horizon: tuple[int, int],
-    engine: str,
-    limits: Limits,
-    suspects: Suspects,
-    is_proven: bool,
-) -> Conflict:
+def conflict_of(trials: Trials, suspects: Suspects, is_proven: bool) -> Conflict:
     """The conflict of a problem that was not solved.
 
     `suspects`: those that met in the initial state, or else at the dead end that the search found nearest to the
-    problem. `is_proven`: it is known that there is no plan. `limits`: steps of the search that failed, and seconds for
-    all that is done here.
+    problem. `is_proven`: it is known that there is no plan.
     """
-    requirements = Requirements(program, model)
-    steps = max(_STEPS_AT_LEAST, _TIMES_AS_MANY * limits.max_steps)
-    trials = _Trials(model, requirements, horizon, engine, Limits(steps, limits.max_seconds))
+    requirements, horizon = trials.requirements, trials.horizon
     core = _of_suspects(requirements, trials, suspects)
     if core is None and is_proven:
         core = list(requirements.numbers)
@@ -190,7 +188,7 @@ def conflict_of(
     return Conflict(places, rules, horizon, True, chosen.minimal, at_once, trials.count, trials.dead_end)
 
 
-def _smallest(trials: _Trials, core: Sequence[int]) -> Core[int]:
+def _smallest(trials: Trials, core: Sequence[int]) -> Core[int]:
     """Few requirements of a core that leave no plan, with the facts that are needed for that."""
     wishes = smallest_core([n for n in core if n not in trials.facts], trials.fails)
     needed = [n for n in trials.facts if trials.fails(wishes.members, without=n) is False]
@@ -198,7 +196,7 @@ def _smallest(trials: _Trials, core: Sequence[int]) -> Core[int]:
     return Core(tuple(sorted({*wishes.members, *needed})), wishes.minimal)
 
 
-def _of_suspects(requirements: Requirements, trials: _Trials, suspects: Suspects) -> list[int] | None:
+def _of_suspects(requirements: Requirements, trials: Trials, suspects: Suspects) -> list[int] | None:
     """The statements among the suspects, if they fail on their own."""
     found = (requirements.number_at(s.statement.at) for s in map(_stated, suspects.owners) if s is not None)
     named = requirements.closed({n for n in found if n is not None})
@@ -206,7 +204,7 @@ def _of_suspects(requirements: Requirements, trials: _Trials, suspects: Suspects
     return named if named and fails(named) else None
 
 
-def _failing_part(requirements: Requirements, trials: _Trials) -> list[int] | None:
+def _failing_part(requirements: Requirements, trials: Trials) -> list[int] | None:
     """Requirements that are proven to have no plan: with one goal alone, or all of them by a longer search."""
     goals = set(requirements.stated("goal"))
     every = list(requirements.numbers)

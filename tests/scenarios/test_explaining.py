@@ -146,6 +146,20 @@ def test_limits_are_told(tmp_path: Path) -> None:
     assert "no part of the problem was proven" in told.lines()[0]
 
 
+def test_a_plan_that_nature_could_break_is_none(tmp_path: Path) -> None:
+    text = """class Attitude extends Timeline { predicate slew { contingent duration = [3 9]; } }
+    Attitude attitude = new Attitude();
+    PlannerConfig w = new PlannerConfig(0, 50, 100);
+    goal(attitude.slew s);
+    leq(5, s.start);
+    eq(s.end, 20);
+    leq(s.duration, 30);"""
+    told = explained(tmp_path / "x.nddl", text)
+    assert [s.text for s in told.statements] == ["goal(attitude.slew s);", "eq(s.end, 20);"]
+    assert told.minimal
+    assert told.dead_end is not None
+
+
 def problem(random: Random) -> tuple[str, list[str]]:
     """A declaration of small variables and statements over them, too many to hold together."""
     names = [f"v{n}" for n in range(4)]
