@@ -50,10 +50,6 @@ class AttitudeModes:
         """The mode with these actuators (number in `ACTUATORS`) in charge."""
         return self._standby or _MODES[actuators]
 
-    def cones_kept(self) -> bool:
-        """Whether the Sun, as the filter has it, is outside the camera's cone and inside the Sun sensor's."""
-        return self._cones.complaint(self._control.sun_B) is None
-
     def point(self, target: str, now_s: float) -> str | None:
         """Turn to a target and hold it."""
         if target != self._control.target:

@@ -29,7 +29,7 @@ from sim.quaternion import (
 CAMERA_BORESIGHT_B: Vector = (0.0, 0.0, 1.0)
 SUN_SENSOR_AXIS_B: Vector = (math.sqrt(0.5), 0.0, -math.sqrt(0.5))
 _SAMPLE_RAD = math.radians(1.5)
-_SLACK_RAD = 2.0e-3
+SLACK_RAD = 2.0e-3
 """Under a cone's edge by this much is still on it: what the filter does not know, and the Sun moves in a turn."""
 
 
@@ -54,11 +54,11 @@ class Cones:
     def complaint(self, sun_B: Vector) -> str | None:
         """What is wrong with the Sun there, or None."""
         camera, sensor = _angle(CAMERA_BORESIGHT_B, sun_B), _angle(SUN_SENSOR_AXIS_B, sun_B)
-        if camera < self.camera_rad - _SLACK_RAD:
+        if camera < self.camera_rad - SLACK_RAD:
             return (
                 f"the Sun {_degrees(camera)} from the camera's boresight, expected at least {_degrees(self.camera_rad)}"
             )
-        if sensor > self.sensor_rad + _SLACK_RAD:
+        if sensor > self.sensor_rad + SLACK_RAD:
             return (
                 f"the Sun {_degrees(sensor)} from the Sun sensor's axis, expected at most {_degrees(self.sensor_rad)}"
             )
@@ -70,7 +70,7 @@ class Cones:
         From outside of a cone the way is straight: there is nothing left to keep.
         """
         straight = (goal_IB,)
-        if self.margin_rad(rotate_inverse(here_IB, sun_I)) < -_SLACK_RAD or self._keeps(here_IB, goal_IB, sun_I):
+        if self.margin_rad(rotate_inverse(here_IB, sun_I)) < -SLACK_RAD or self._keeps(here_IB, goal_IB, sun_I):
             return straight
         via_IB = _with_sun_as_at(here_IB, goal_IB, sun_I)
         return (
@@ -82,7 +82,7 @@ class Cones:
         count = max(1, math.ceil(angle / _SAMPLE_RAD))
         for k in range(count + 1):
             between_IB = multiply(here_IB, about(axis, angle * k / count))
-            if self.margin_rad(rotate_inverse(between_IB, sun_I)) < -_SLACK_RAD:
+            if self.margin_rad(rotate_inverse(between_IB, sun_I)) < -SLACK_RAD:
                 return False
         return True
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from sim import control_law as law
 from sim.components.hooks import refuse_fault
+from sim.cones import SLACK_RAD
 from sim.config import SpacecraftConfig
 from sim.kernels import Memory
 from sim.quaternion import Quaternion, Vector, about, multiply, unit
@@ -83,7 +84,9 @@ class AttitudeControl:
         m[law.SETTLE_HOLD] = m[law.QUIET_S] = config.settle_hold_s
         m[law.SPIN], m[law.SUN_ERROR] = config.sun_standby_spin_rad_s, config.sun_standby_error_rad
         m[law.SUN_RATE] = config.sun_standby_rate_rad_s
-        m[law.SUN_B] = 1.0
+        m[law.SUN_B] = m[law.CONES_KEPT] = 1.0
+        m[law.CAMERA_LEAST] = config.camera_sun_exclusion_rad - SLACK_RAD
+        m[law.SENSOR_MOST] = config.sun_sensor_half_field_rad + SLACK_RAD
         m[law.INERTIA : law.INERTIA + 3] = inertia_kg_m2
         for place in (law.ATTITUDE, law.START, law.REFERENCE, law.TARGET):
             m[place : place + 4] = attitude_IB
@@ -118,12 +121,6 @@ class AttitudeControl:
         """The attitude as last observed."""
         w, x, y, z = self.memory[law.ATTITUDE : law.ATTITUDE + 4].tolist()
         return (w, x, y, z)
-
-    @property
-    def sun_B(self) -> Vector:
-        """Unit vector to the Sun in body axes, as last observed."""
-        x, y, z = self.memory[law.SUN_B : law.SUN_B + 3].tolist()
-        return (x, y, z)
 
     @property
     def rest_IB(self) -> Quaternion:

@@ -16,7 +16,8 @@ SETTLE_ERROR, SETTLE_RATE, SETTLE_HOLD, INERTIA = 35, 36, 37, 38
 VIA, HAS_VIA = 41, 45
 SUN_MODE, SUN_B, SPIN, SUN_ERROR, SUN_RATE = 46, 47, 50, 51, 52
 FROM_CAMERA, FROM_SENSOR = 53, 54
-SIZE = 55
+CAMERA_LEAST, SENSOR_MOST, CONES_KEPT = 55, 56, 57
+SIZE = 58
 
 BRAKED_RATE_RAD_S = 1.0e-4
 # How far it turns while the rate, below the acceleration limit's share, fades.
@@ -47,6 +48,7 @@ def observe(m: Memory, dt_s: float) -> None:
     m[FROM_CAMERA] = math.atan2(math.sqrt(sx * sx + sy * sy), sz)
     along, across = _HALF * (sx - sz), _HALF * (sx + sz)
     m[FROM_SENSOR] = math.atan2(math.sqrt(across * across + sy * sy), along)
+    m[CONES_KEPT] = 1.0 if m[FROM_CAMERA] >= m[CAMERA_LEAST] and m[FROM_SENSOR] <= m[SENSOR_MOST] else 0.0
     if m[SUN_MODE] != 0.0:
         m[ERROR] = math.atan2(math.sqrt(sy * sy + sz * sz), sx)
         off = wx - m[SPIN]

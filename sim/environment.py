@@ -48,6 +48,7 @@ class Environment:
         self._last: tuple[float, Vector] = (0.0, self._orbit.position_m)
         self._bodies = {t.name: orbit for t in config.targets if (orbit := self._orbit_of(t)) is not None}
         self._fixed = {t.name: unit(t.direction_I) for t in config.targets if t.name not in self._bodies}
+        self._seen: dict[str, tuple[float, Vector]] = {}
         self._first_m = {name: self.distance_m(name, 0.0) for name in self._bodies}
         for name, distance_m in self._first_m.items():
             if distance_m == 0.0:
@@ -162,7 +163,9 @@ class Environment:
 
     def _offset_m(self, target: str, time_s: float) -> Vector:
         x, y, z = self.position_I_m(time_s)
-        return _plus(self._bodies[target].at(time_s)[0], (-x, -y, -z))
+        if self._seen.get(target, (math.nan,))[0] != time_s:
+            self._seen[target] = time_s, self._bodies[target].at(time_s)[0]
+        return _plus(self._seen[target][1], (-x, -y, -z))
 
     def _check(self, target: str) -> None:
         if target not in self.targets:

@@ -230,7 +230,7 @@ class FlightLoop:
             for channel, place in unit.READINGS.items()
         ]
         self.channels = tuple(channel for channel, _ in readings)
-        states = (_C + control_law.SETTLED, _S + filter_law.TRACKER_VALID, _E + ACTUATORS)
+        states = (_C + control_law.SETTLED, _S + filter_law.TRACKER_VALID, _C + control_law.CONES_KEPT, _E + ACTUATORS)
         self._places = np.array([*(float(place) for _, place in readings), *map(float, states)])
         counts = [counts_per_unit(channel) for channel in self.channels]
         self._counts_per_unit = np.array([*counts, *(1.0 for _ in states)])
@@ -240,7 +240,7 @@ class FlightLoop:
         return f"FlightLoop({self._physics!r})"
 
     def readings(self) -> list[float]:
-        """The analogue values of `channels`, rounded to their resolution, then settled, tracker valid, actuators."""
+        """The analogue values of `channels`, rounded, then settled, tracker valid, cones kept, actuators."""
         read_rounded(self._block, self._places, self._counts_per_unit, self._out)
         values: list[float] = self._out.tolist()
         return values

@@ -60,6 +60,7 @@ class Spacecraft:
         generators = {name: np.random.default_rng(stream) for name, stream in zip(_GENERATORS, streams, strict=True)}
         self._config = config
         self._ticks = 0
+        self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
         self._assembly = load_assembly(config.time_step_s)
         self.environment = Environment(config)
         attitude_IB = self.environment.target_attitude_IB(config.initial_target, 0.0)
@@ -114,7 +115,6 @@ class Spacecraft:
         self._modes = AttitudeModes(config, self.environment, self._control, steered, self._surroundings)
         self._follow_sky()
         self._modes.actuators(config.initial_actuators)
-        self._values: dict[str, TelemetryValue] = dict.fromkeys(TELEMETRY, 0.0)
         # Units whose telemetry changes only when something is switched, and whether it has been since the last look.
         self._switched_units = (
             self._control,
@@ -189,14 +189,13 @@ class Spacecraft:
             self._switched = False
             for unit in self._switched_units:
                 values.update(round_telemetry({**unit.telemetry()}))
-            values.update(round_telemetry({**self.environment.telemetry(self._looked_s)}))
-        *readings, settled, tracker_valid, actuators = self._loop.readings()
+        *readings, settled, tracker_valid, cones_kept, actuators = self._loop.readings()
         values.update(zip(self._loop.channels, readings, strict=True))
         values["acs.state"] = "settled" if settled else "slewing"
         values["tracker.state"] = "tracking" if tracker_valid else self._sensors.tracker_state
         values["acs.actuators"] = ACTUATORS[int(actuators)]
         values["acs.mode"] = self._modes.mode(int(actuators))
-        values["acs.cones"] = "kept" if self._modes.cones_kept() else "broken"
+        values["acs.cones"] = "kept" if cones_kept else "broken"
         return values.copy()
 
     def inject(
@@ -343,13 +342,14 @@ class Spacecraft:
 
     def _follow_sky(self) -> None:
         """Sun, Earth and targets move on: look again, and go on pointing at what is pointed at."""
-        self._switched, self._looked_s = True, float(self.time)
-        self.environment.gain(self._looked_s, self._physics.velocity_I)
-        self._loop.look_around(self.environment, float(self.time))
-        self._modes.follow(self._looked_s)
+        now_s = float(self.time)
+        self.environment.gain(now_s, self._physics.velocity_I)
+        self._loop.look_around(self.environment, now_s)
+        self._modes.follow(now_s)
         self._thrusters.memory[thrusters.FROZEN] = self._thermal.tank_frozen
         self._power.memory[TOO_COLD] = self._thermal.battery_cold
-        self._ground.sent(self._looked_s, self.environment.light_time_s(self._looked_s), self._recorder.downlinked_Mbit)
+        self._ground.sent(now_s, self.environment.light_time_s(now_s), self._recorder.downlinked_Mbit)
+        self._values.update(round_telemetry({**self.environment.telemetry(now_s)}))
 
     def _execute(self, name: str, arguments: Mapping[str, TelemetryValue]) -> str | None:
         if name.startswith("ips.") and not self._switchboard.fed("neb2"):
