@@ -27,6 +27,8 @@ from planner.model.rules import Confine, ForEach, Guard, Local, OneOf, Relate, R
 
 MOST_VALUES = 1000
 """A local variable with more values than this is tried at the ends of its range only."""
+MOST_ROUNDS = 10
+"""Local numbers are narrowed by what is said about them at most this often before one is chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,22 +267,39 @@ class _Body:
         if not left:
             held = all(self.requirements.holds(r.procedure, r.arguments, state.names, p) for r, p in state.pending)
             return state if held else None
-        key = left[0]
-        domain = self._narrowed(state, key)
-        if domain is None or domain.is_empty:
+        narrowed = self._all_narrowed(state, left)
+        if narrowed is None:
             return None
-        if isinstance(domain, Interval) and (not domain.integer or domain.size > MOST_VALUES):
+        state = narrowed
+        key = min(left, key=lambda one: _width(state.names[one]))
+        domain = state.names[key]
+        assert isinstance(domain, Interval)
+        if not domain.integer or domain.size > MOST_VALUES:
             values = [v for v in (domain.lower, domain.upper, 0) if v in domain and abs(v) != float("inf")]
         else:
             values = list(domain.values())
         for value in values:
-            whole = isinstance(domain, Interval) and domain.integer
-            found = self._numbers(state.bound(*key, Interval(value, value, whole)), left[1:])
+            chosen = state.bound(*key, Interval(value, value, domain.integer))
+            found = self._numbers(chosen, tuple(k for k in left if k != key))
             if found is not None:
                 return found
         return None
 
-    def _narrowed(self, state: _State, key: tuple[Path, str]) -> Domain | None:
+    def _all_narrowed(self, state: _State, left: tuple[tuple[Path, str], ...]) -> _State | None:
+        """The state with local numbers narrowed until nothing changes, or often enough; None: one is left no value."""
+        for _ in range(MOST_ROUNDS):
+            before = state
+            for key in left:
+                domain = self._narrowed(state, key)
+                if domain.is_empty:
+                    return None
+                if domain != state.names[key]:
+                    state = state.bound(*key, domain)
+            if state is before:
+                break
+        return state
+
+    def _narrowed(self, state: _State, key: tuple[Path, str]) -> Domain:
         """What the pending relations leave of a local number, as far as their procedures tell."""
         domain = state.names[key]
         assert isinstance(domain, Interval)
@@ -295,6 +314,11 @@ class _Body:
     def _blocked(self, depth: int, obstacle: str) -> None:
         if depth > self._furthest:
             self._furthest, self.obstacle = depth, obstacle
+
+
+def _width(domain: object) -> float:
+    """How far apart the values of a local number may be."""
+    return domain.upper - domain.lower if isinstance(domain, Interval) else 0
 
 
 def _may_be(thing: ModelObject, target: object) -> bool:

@@ -322,3 +322,24 @@ def test_what_an_action_takes_from_a_resource_asks_for_no_action() -> None:
     predicates = [token.predicate for token in run.plan.tokens]
     assert (predicates.count("Keeper.Turn"), predicates.count("Reservoir.consume")) == (1, 2)
     assert check(run.plan, run.model) == ()
+
+
+def test_numbers_of_a_rule_that_follow_from_each_other_are_found_by_the_checker() -> None:
+    run = Run(
+        PUMP
+        + """
+        class Survey extends Timeline { predicate leg { float east; float north; float speed; } }
+        Survey::leg {
+          float square, east_2, north_2;
+          abs(east) == sqrt(east_2);
+          abs(north) == sqrt(north_2);
+          square == east_2 + north_2;
+          speed == sqrt(square);
+        }
+        Survey survey = new Survey();
+        goal(survey.leg l); l.east.specify(-3.0); l.north.specify(4.0);
+        """
+    )
+    assert run.plan is not None
+    assert run.plan.tokens[0].parameters["speed"] == 5.0
+    assert check(run.plan, run.model) == ()
