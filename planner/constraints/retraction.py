@@ -60,6 +60,18 @@ def made_by(
     return found
 
 
+def made_by_any(network: ConstraintNetworkManager, kind: type) -> tuple[list[int], list[tuple[Changing, int, Domain]]]:
+    """What causes of one kind made: temporal constraints, and changes that domains rest on with the domains before,
+    those of each variable oldest first."""
+    edges = [number for number, (owner, _) in enumerate(network._edges) if isinstance(owner, kind)]
+    variables = {id(entry[0]): entry[0] for entry in network._changes if isinstance(entry[2], kind)}
+    changes = []
+    for variable in variables.values():
+        gone = [(variable, c.at, c.before) for c in history(network, variable) if isinstance(c.because, kind)]
+        changes += gone[::-1]
+    return edges, changes
+
+
 def domain_at(network: ConstraintNetworkManager, variable: AnyVariable, index: int) -> Domain:
     """The domain that a variable had when the change with that place in the log was made."""
     domain = variable.domain

@@ -30,6 +30,7 @@ from planner.operations.restricting import restrict, variable_of
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction
 from planner.tokens import withdrawal
 from planner.tokens.instance import Extent, ForEachInstance, GuardInstance, RuleInstance
+from planner.tokens.resources import Clash, PendingUse, Pruning
 from planner.tokens.token import Token, TokenState
 
 
@@ -75,14 +76,14 @@ class Retraction:
         self.cuts: dict[int, _Cut] = {}
         self.guards: dict[int, GuardInstance] = {}
         self.undone: dict[int, GuardInstance] = {}
+        self.uses: dict[int, PendingUse] = {}
         self._pending: list[Changing] = []
         self._owners: list[Operation | RuleInstance] = []
 
     def run(self, operation: Operation) -> None:
         """Find out all that goes. Unsuited if it cannot be told in place."""
-        if any(resource.users for resource in self.database.tokens.resources.values()):
-            raise Unsuited
         self._owners.append(operation)
+        self._drop_pruning()
         before = (-1, -1)
         while before != (len(self.edges), len(self.undone)) or self._pending or self._owners:
             before = len(self.edges), len(self.undone)
@@ -119,18 +120,15 @@ class Retraction:
         tokens, statement, extent = self.database.tokens, operation.statement, operation.extent
         assert extent is not None
         if isinstance(statement, Restriction):
-            variable = variable_of(self.database, statement)
-            assert variable is not None
             self.edges.update(extent.edges)
-            self._drop_changes(variable, operation)
+            if (variable := variable_of(self.database, statement)) is not None:
+                self._drop_changes(variable, operation)
             return
         token = tokens.by_path[statement.token]
         self.released[id(token)] = token
         if isinstance(statement, Codesignation):
             self._withdraw(extent)
             return
-        if token.kind not in ("timeline", "unordered", "constraint"):
-            raise Unsuited
         self._drop_changes(token.object, operation)
         self.edges.update(self.precedences.of(token))
         self._owners.extend(token.rules)
@@ -147,9 +145,8 @@ class Retraction:
             self.variables[id(variable)] = variable
             self.dead.add(id(variable))
             self._owners.extend(self.register.about(variable.name))
-        propagators = self.network.propagators
         for number in extent.propagators:
-            self._remove(propagators[number])
+            self._remove(self.network.propagators[number])
 
     def _destroy(self, token: Token) -> None:
         if id(token) in self.destroyed:
@@ -159,15 +156,25 @@ class Retraction:
         self._owners.extend(self.register.about(token.path))
 
     def _remove(self, propagator: Propagator) -> None:
-        if id(propagator) in self.propagators:
+        if id(propagator) in self.propagators or isinstance(propagator, Pruning):  # which goes with its transaction
             return
         self.propagators[id(propagator)] = propagator
         if isinstance(propagator, GuardInstance | ForEachInstance):
             self._owners.extend(propagator.bodies)
         elif isinstance(propagator, Constraint):
             self._drop_effects(propagator, -1)
+        elif isinstance(propagator, PendingUse):
+            self.uses[id(propagator)] = propagator
         else:
             raise Unsuited
+
+    def _drop_pruning(self) -> None:
+        """What resources took away, where transactions left no room: any other transaction, any bound may be why."""
+        if any(resource.transactions for resource in self.database.tokens.resources.values()):
+            edges, changes = network_retraction.made_by_any(self.network, Clash)
+            self.edges.update(edges)
+            for variable, index, before in changes:
+                self._cut(variable, index, before)
 
     # What follows from what goes
 
@@ -248,7 +255,7 @@ class Retraction:
             for change in history(self.network, variable):
                 if change.at < index:
                     break
-                if not isinstance(change.because, Constraint | Operation):
+                if not isinstance(change.because, Constraint | Operation | Clash):
                     raise Unsuited
             if isinstance(variable, DurationVariable):
                 for edge in variable.narrowings:
@@ -262,7 +269,10 @@ class Retraction:
                 elif isinstance(watcher, GuardInstance):
                     if watcher.fired:
                         self.guards[id(watcher)] = watcher
-                elif not isinstance(watcher, ForEachInstance) or watcher.done:
+                elif isinstance(watcher, PendingUse):
+                    if not cut.domain.is_singleton:
+                        self.uses[id(watcher)] = watcher
+                elif not isinstance(watcher, Pruning) and (not isinstance(watcher, ForEachInstance) or watcher.done):
                     raise Unsuited
 
     def _review_guards(self) -> None:
@@ -290,7 +300,7 @@ class Retraction:
                     self._undo_guard(propagator)
             elif isinstance(propagator, Constraint):
                 self._drop_derived_from_time(propagator, first)
-            else:
+            elif not isinstance(propagator, Pruning):
                 raise Unsuited
 
     def _drop_derived_from_time(self, constraint: Constraint, first: int) -> None:
@@ -323,6 +333,8 @@ class Retraction:
                 withdrawal.forget_guard(tokens, propagator)
         for variable in self.variables.values():
             withdrawal.forget_variable(tokens, variable)
+        for use in self.uses.values():
+            use.withdraw()
         gaps = self._leave()
         network.temporal.remove(sorted(self.edges))
         for key in self.dead & self.cuts.keys():
@@ -337,6 +349,8 @@ class Retraction:
                 trail.assign(guard, "fired", False)
                 trail.assign(guard, "bodies", [])
                 network_retraction.enqueue(network, [guard])
+        network_retraction.enqueue(network, (use for key, use in self.uses.items() if key not in self.propagators))
+        network_retraction.enqueue(network, withdrawal.prune_anew(tokens))
         for first in gaps:
             self._close_gap(first)
         for operation in self.suspended.values():

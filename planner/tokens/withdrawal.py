@@ -10,6 +10,7 @@ from planner.constraints.network import Variable
 from planner.constraints.retraction import forget_timepoint
 from planner.tokens.instance import GuardInstance
 from planner.tokens.manager import TokenNetworkManager
+from planner.tokens.resources import Pruning
 from planner.tokens.token import Token, TokenState
 from planner.trail import Trail
 
@@ -57,6 +58,14 @@ def forget_guard(manager: TokenNetworkManager, guard: GuardInstance) -> None:
         manager.trail.assign(manager, "_fired", manager._fired - 1)
 
 
+def prune_anew(manager: TokenNetworkManager) -> list[Pruning]:
+    """What is known of the transactions on resources stands no more: what has them prune again."""
+    used = [resource for resource in manager.resources.values() if resource.transactions]
+    for resource in used:
+        resource.forget()
+    return [pruning for resource in used for pruning in resource.prunings()]
+
+
 def reopen(manager: TokenNetworkManager) -> None:
     """Look again at all that was decided: some of it may not be any more."""
     manager.trail.assign(manager, "_decided", 0)
@@ -81,6 +90,8 @@ def _leave_slot(manager: TokenNetworkManager, token: Token) -> None:
         manager.open.moved((timeline.object, timeline.attribute))
     elif token.kind == "constraint":
         take(manager.trail, manager.timeline_of(token).limits, token)
+    elif token.kind in ("reusable", "reservoir"):
+        manager.resources[token.thing].remove(token)
     else:
         take(manager.trail, manager._unordered_of(token), token)
 

@@ -13,7 +13,7 @@ resource.py     all of it for one object of the model
 
 from planner.tokens.resources.clash import Clash, Precede, Remedy, Within
 from planner.tokens.resources.ledger import Band
-from planner.tokens.resources.resource import Resource
+from planner.tokens.resources.resource import Pruning, Resource
 from planner.tokens.resources.uses import PendingUse
 
-__all__ = ["Band", "Clash", "PendingUse", "Precede", "Remedy", "Resource", "Within"]
+__all__ = ["Band", "Clash", "PendingUse", "Precede", "Pruning", "Remedy", "Resource", "Within"]

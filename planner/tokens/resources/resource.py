@@ -13,6 +13,7 @@ from planner.constraints.network import (
     TimeVariable,
     Variable,
 )
+from planner.constraints.retraction import detach
 from planner.domains import Interval
 from planner.errors import ModelError, nearest
 from planner.model.classes import ModelObject
@@ -30,7 +31,7 @@ _FLOWS: dict[str, Flow] = {"produce": "produces", "consume": "consumes"}
 _NEVER = Steps.constant(math.inf)
 
 
-class _Watch:
+class Pruning:
     """Has a resource prune when a transaction of it changes."""
 
     __slots__ = ("owner", "queued", "resource", "scope")
@@ -176,7 +177,7 @@ class Resource:
             tick = (Event(start, 0, -1, transaction, True), Event(start, 1, 1, transaction, True))
             self.rates[flow].add(transaction, tick)
         if self.rates or self.sums or not self.is_reservoir:
-            transaction.watch = _Watch(self, transaction)
+            transaction.watch = Pruning(self, transaction)
             self.network.watch(transaction.watch)
         return transaction
 
@@ -190,11 +191,12 @@ class Resource:
         self.trail.call(self.transactions.insert, place, self.transactions.pop(place))
         for ledger in (self.level, *self.rates.values()):
             ledger.remove(transaction)
-        if transaction.watch is None:
-            return
-        for variable in transaction.scope:
-            place = variable.watchers.index(transaction.watch)
-            self.trail.call(variable.watchers.insert, place, variable.watchers.pop(place))
+        if transaction.watch is not None:
+            detach(self.network, transaction.watch)
+
+    def prunings(self) -> list[Pruning]:
+        """What has it prune."""
+        return [t.watch for t in self.transactions if isinstance(t.watch, Pruning)]
 
     def forget(self) -> None:
         """Derive everything anew: to be called when constraints were taken out other than by undo."""

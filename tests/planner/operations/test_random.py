@@ -15,6 +15,7 @@ from planner.operations.order import Lineup, Precedences
 from planner.operations.retraction import Retraction
 from planner.tokens import withdrawal
 from planner.tokens.manager import TokenNetworkManager
+from planner.tokens.resources import PendingUse
 from planner.tokens.token import Token
 from tests.planner.operations.driver import Driver
 from tests.planner.operations.worlds import WORLDS
@@ -71,6 +72,8 @@ def _stands(retraction: Retraction, variable: Changing, after: float, before: Do
         (Precedences, "of", _no_edges, "camera"),
         (Lineup, "enter", _at_the_end, "camera"),
         (Operations, "_retry", _nothing, "altern"),
+        (Retraction, "_drop_pruning", _nothing, "workshop"),
+        (PendingUse, "withdraw", _nothing, "workshop"),
         (withdrawal, "_leave_slot", _stays_over_its_timeline, "keeping"),
         (Retraction, "_drop_derived_from_time", _nothing, "keeping"),
     ],

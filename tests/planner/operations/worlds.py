@@ -8,7 +8,7 @@ from functools import cache
 from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
 from planner.domains import Interval
-from planner.language.builder import ModelBuilder
+from planner.language.builder import ClassBuilder, ModelBuilder
 from planner.model.manager import ModelManager
 from planner.problem import ConstraintPattern, TokenPattern
 from scenarios.benchmarks.problems import altern_model
@@ -147,10 +147,41 @@ def keeping() -> PlanDatabase:
     return database
 
 
+def workshop_model() -> ModelManager:
+    """Workers that draw from one of two supplies and take from a tank what somebody filled in."""
+    builder = ModelBuilder("workshop", STANDARD)
+    worker = builder.timeline("Worker")
+    work = worker.predicate("work", {"supply": "Reusable", "draw": Interval(1, 3), "hard": "bool"}, duration=(2, 9))
+    take = ClassBuilder(builder, "Reservoir").predicate_of("Reservoir", "consume")
+    with work.requires() as this:
+        this.constrain("uses", this.supply, this.draw, this.start, this.end)
+        with this.when(this.hard == True) as hard:  # noqa: E712 - a term of the language
+            hard.relation("starts", take, quantity=this.draw)
+    for number in (1, 2):
+        builder.object(f"worker{number}", "Worker")
+        builder.object(f"supply{number}", "Reusable", {"capacity": 3.0, "level_min": 0.0})
+    tank = {"initial": 4.0, "level_min": 0.0, "level_max": 9.0, "consumption_max": 5.0}
+    builder.object("tank", "Reservoir", tank)
+    return builder.finish()
+
+
+def workshop() -> PlanDatabase:
+    """More work than the supplies allow at once."""
+    database = PlanDatabase(_model(workshop_model), (0, 25))
+    for number, name in enumerate(("one", "two", "three", "four")):
+        window = (3 * number, 3 * number + 1 + 5 * (number % 2))
+        database.state(TokenPattern("Worker.work", parameters={"draw": (2, 3)}, start=window), name, "goal")
+    database.state(TokenPattern("Reservoir.produce", "tank", start=(4, 4)), "filling", "goal")
+    database.state(TokenPattern("Reservoir.consume", "tank", end=(None, 12)), "spill", "rejectable")
+    database.network.propagate()
+    return database
+
+
 WORLDS: dict[str, Callable[[], PlanDatabase]] = {
     "camera": camera,
     "rovers": rovers,
     "altern": altern,
     "switches": switches,
+    "workshop": workshop,
     "keeping": keeping,
 }
