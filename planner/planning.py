@@ -38,7 +38,7 @@ def plan(
     problem: Problem,
     limits: Limits | None = None,
     accept: Acceptance | None = None,
-    engine: str = "chronological",
+    engine: str = "portfolio",
 ) -> PlanningResult:
     """Plan for as many goals as can be achieved together, the higher priority first.
 

@@ -174,9 +174,7 @@ def replay_run(
 @app.command("plan")
 def plan_problem(
     problem: Annotated[Path, typer.Argument(help="A problem in NDDL.")],
-    engine: Annotated[
-        str, typer.Option(help="The search engine; `remote-agent engines` lists them.")
-    ] = "chronological",
+    engine: Annotated[str, typer.Option(help="The search engine; `remote-agent engines` lists them.")] = "portfolio",
     max_seconds: Annotated[float, typer.Option(min=0.0, help="Give up after this long.")] = 60.0,
     max_steps: Annotated[int | None, typer.Option(min=1, help="Give up after this many decisions.")] = None,
     horizon: Annotated[

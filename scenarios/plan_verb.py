@@ -95,7 +95,7 @@ class PlanAnswer:
 def plan_file(
     path: Path,
     *,
-    engine: str = "chronological",
+    engine: str = "portfolio",
     horizon: tuple[int, int] | None = None,
     max_seconds: float = 60.0,
     max_steps: int | None = None,

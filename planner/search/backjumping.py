@@ -26,10 +26,12 @@ def search(
     On success the database holds the plan; otherwise it is as before.
     """
     with patient_collector():
-        return _Backjumping(database, limits, accept, describe).run()
+        return Backjumping(database, limits, accept, describe).run()
 
 
-class _Backjumping(DepthFirst):
+class Backjumping(DepthFirst):
+    """The engine: how it goes back."""
+
     def __init__(
         self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
     ) -> None:
@@ -39,10 +41,12 @@ class _Backjumping(DepthFirst):
         self.culprits = Culprits(database, self.places)
 
     def refused(self, refusal: Refusal) -> bool:
+        """Go back to what the refusal blames."""
         owners = refusal.owners
         return self.jump(self.culprits.everything() if owners is None else self.culprits.of(owners))
 
     def advance(self) -> bool:
+        """The next decision of the newest flaw, or of the one that the dead end goes back to."""
         while self.stack:
             frame = self.stack[-1]
             decision = next(frame.decisions, None)

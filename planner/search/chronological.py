@@ -20,11 +20,14 @@ def search(
     On success the database holds the plan; otherwise it is as before.
     """
     with patient_collector():
-        return _Chronological(database, limits, accept, describe).run()
+        return Chronological(database, limits, accept, describe).run()
 
 
-class _Chronological(DepthFirst):
+class Chronological(DepthFirst):
+    """The engine: how it goes back."""
+
     def advance(self) -> bool:
+        """The next decision of the newest flaw that has one left."""
         trail, outcome = self.database.trail, self.outcome
         while self.stack:
             frame = self.stack[-1]
@@ -47,6 +50,7 @@ class _Chronological(DepthFirst):
         return False
 
     def explain(self, inconsistency: Inconsistency) -> None:
+        """Note a dead end."""
         describe, network = self.describe, self.database.network
         if describe is not None:
             self.outcome.note(len(self.stack), lambda: describe(network.explain(inconsistency)))

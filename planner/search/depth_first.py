@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from time import perf_counter
 from planner.database import PlanDatabase
 from planner.search.collector import Collector
 from planner.search.decisions import Decision
-from planner.search.flaws import Flaw, next_flaw
+from planner.search.flaws import Flaw, Ranking, nearest_first, next_flaw
 from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
 
 
@@ -30,12 +31,15 @@ class Frame:
 
 
 class DepthFirst(ABC):
-    """A depth-first search; its engine says how to go back."""
+    """A depth-first search; its engine says how to go back. `order`: which token comes next, nearest to the problem
+    first unless something else is set before `run`; `max_backtracks`: a further limit."""
 
     def __init__(
         self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
     ) -> None:
         self.database = database
+        self.order: Ranking = nearest_first
+        self.max_backtracks: float = math.inf
         self.max_steps = limits.max_steps
         self.deadline = perf_counter() + limits.max_seconds
         self.accept = accept
@@ -56,7 +60,7 @@ class DepthFirst(ABC):
         """Resolve flaw after flaw until there is none, or no way on. Without a plan the database is as before."""
         bottom = self.database.trail.push()
         while True:
-            found = next_flaw(self.database)
+            found = next_flaw(self.database, self.order)
             going_on = True
             if found is None:
                 refusal = None if self.accept is None else self.accept(self.database)
@@ -79,4 +83,7 @@ class DepthFirst(ABC):
     def spent(self) -> bool:
         """Whether the limits are reached; asked before every decision."""
         self.collector.relieve()
-        return self.outcome.steps >= self.max_steps or perf_counter() > self.deadline
+        outcome = self.outcome
+        if outcome.steps >= self.max_steps or outcome.backtracks >= self.max_backtracks:
+            return True
+        return perf_counter() > self.deadline

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from planner.database import PlanDatabase
-from planner.search import backjumping, chronological
+from planner.search import backjumping, chronological, portfolio
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
 
 Search = Callable[[PlanDatabase, Limits, Acceptance | None, Description | None], Outcome]
@@ -31,6 +31,9 @@ ENGINES: Mapping[str, Engine] = MappingProxyType(
                 "backjumping",
                 "depth first, back to the newest decision that had a part in a dead end",
                 backjumping.search,
+            ),
+            Engine(
+                "portfolio", "both of these in two orders of flaws, in turn, for longer and longer", portfolio.search
             ),
         )
     }

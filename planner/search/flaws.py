@@ -8,7 +8,7 @@ horizon is no flaw: a plan speaks of its horizon only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, islice
 
 from planner.constraints.network import DurationVariable, TimeVariable, Variable
@@ -162,7 +162,11 @@ WINDOW = 64
 """How many undecided variables are compared for the fewest values."""
 
 
-def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
+Ranking = Callable[[Token, int], Rank]
+"""The rank of a token with so many decisions, two or more; the lowest comes first."""
+
+
+def next_flaw(database: PlanDatabase, order: Ranking | None = None) -> tuple[Flaw, Iterator[Decision]] | None:
     """The flaw to resolve next, with its decisions, none for a dead end. None: the plan is complete.
 
     The decisions are found as they are asked for, with the database as it is now.
@@ -176,7 +180,7 @@ def next_flaw(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | None:
     token = _given(database)
     if token is not None:
         return OpenToken(token), OpenToken(token).decisions(database)
-    urgent = _most_urgent(database)
+    urgent = _most_urgent(database, order or nearest_first)
     best: tuple[Flaw, Iterator[Decision]] | None = None
     if urgent is not None:
         rank, flaw = urgent
@@ -243,12 +247,12 @@ def _is_no_flaw(database: PlanDatabase, token: Token) -> bool:
     return token.role == "subgoal" and token.may_be_outside(database.horizon)
 
 
-def _most_urgent(database: PlanDatabase) -> tuple[Rank, OpenToken] | None:
+def _most_urgent(database: PlanDatabase, order: Ranking) -> tuple[Rank, OpenToken] | None:
     """The other open token that comes first. Only groups in which something happened are looked at again."""
     best: tuple[Rank, OpenToken] | None = None
     for group in database.tokens.open.look():
         if group.stale or group.wide:
-            found = _most_urgent_of(database, group)
+            found = _most_urgent_of(database, group, order)
             group.best = None if found is None else (found[0], found[1].token)
             group.stale = False
         else:
@@ -258,7 +262,7 @@ def _most_urgent(database: PlanDatabase) -> tuple[Rank, OpenToken] | None:
     return best
 
 
-def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, OpenToken] | None:
+def _most_urgent_of(database: PlanDatabase, group: OpenGroup, order: Ranking) -> tuple[Rank, OpenToken] | None:
     best: tuple[Rank, OpenToken] | None = None
     lower, upper = database.temporal.lower, database.temporal.upper
     crowded = len(group.tokens) > CROWD
@@ -270,13 +274,23 @@ def _most_urgent_of(database: PlanDatabase, group: OpenGroup) -> tuple[Rank, Ope
         key = lower(start), upper(start), lower(end), upper(end)
         if not crowded or key != token.rank_key:
             token.rank_key = key
-            token.rank = _rank(token, flaw.count(database), key[0])
+            token.rank = _rank(token, flaw.count(database), key[0], order)
         if best is None or token.rank < best[0]:
             best = token.rank, flaw
     return best
 
 
-def _rank(token: Token, decisions: int, earliest: int) -> Rank:
+def _rank(token: Token, decisions: int, earliest: int, order: Ranking) -> Rank:
     if decisions < 2:
         return (decisions - 2, 0, earliest, token.id)
+    return order(token, decisions)
+
+
+def nearest_first(token: Token, decisions: int) -> Rank:
+    """Tokens nearest to the problem first: what is wanted is laid out before what it needs."""
     return (min(token.depth, DEEP), decisions, token.id)
+
+
+def soonest_first(token: Token, decisions: int) -> Rank:
+    """Tokens that must start soonest first: what goes wrong is near in time, hence near on the stack."""
+    return (token.start.temporal.upper(token.start.timepoint), decisions, token.id)

@@ -1,0 +1,75 @@
+"""Several depth-first searches in turn, each for a slice that grows: one is often quick where another thrashes.
+
+How long a backtracking search takes depends heavily on its early choices; giving up and searching otherwise cuts the
+tail off (Gomes, Selman and Kautz, "Boosting combinatorial search through randomization", AAAI 1998; algorithm
+portfolios: Huberman, Lukose and Hogg, Science 275, 1997). Slices are counted in backtracks, so that a search which goes
+straight on is not interrupted, and grow, so that whatever any of the searches finds or proves is found or proven.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from planner.database import PlanDatabase
+from planner.search.backjumping import Backjumping
+from planner.search.chronological import Chronological
+from planner.search.collector import patient_collector
+from planner.search.depth_first import DepthFirst
+from planner.search.flaws import Ranking, nearest_first, soonest_first
+from planner.search.outcome import Acceptance, Description, Limits, Outcome
+
+MEMBERS: tuple[tuple[type[DepthFirst], Ranking], ...] = (
+    (Chronological, nearest_first),
+    (Chronological, soonest_first),
+    (Backjumping, nearest_first),
+    (Backjumping, soonest_first),
+)
+FIRST_SLICE = 2000
+"""Backtracks that each search has in the first round."""
+GROWTH = 3
+"""By how much longer a slice is in the next round."""
+
+
+def search(
+    database: PlanDatabase,
+    limits: Limits,
+    accept: Acceptance | None = None,
+    describe: Description | None = None,
+) -> Outcome:
+    """Complete the partial plan in the database, which is at a propagated fixpoint.
+
+    On success the database holds the plan; otherwise it is as before.
+    """
+    deadline = perf_counter() + limits.max_seconds
+    total = Outcome()
+    slice_ = FIRST_SLICE
+    with patient_collector():
+        while True:
+            for kind, order in MEMBERS:
+                left = Limits(limits.max_steps - total.steps, deadline - perf_counter())
+                member = kind(database, left, accept, describe)
+                member.order, member.max_backtracks = order, slice_
+                _look_again(database)
+                _add(total, member.run())
+                if total.complete or total.exhausted:
+                    return total
+                if total.steps >= limits.max_steps or perf_counter() > deadline:
+                    return total
+            slice_ *= GROWTH
+
+
+def _look_again(database: PlanDatabase) -> None:
+    """Forget which token another order would take next."""
+    for group in database.tokens.open.look():
+        group.touch()
+        for token in group.tokens.values():
+            token.rank_key = ()
+
+
+def _add(total: Outcome, part: Outcome) -> None:
+    total.complete, total.exhausted = part.complete, part.exhausted
+    total.steps += part.steps
+    total.backtracks += part.backtracks
+    total.refusal = part.refusal or total.refusal
+    if part.conflict is not None and (total.conflict is None or part.conflict[0] < total.conflict[0]):
+        total.conflict = part.conflict
