@@ -3,7 +3,7 @@
 SimulatorError
     ConfigurationError    a configuration, injection or call that cannot be (unknown target, negative capacity, ...)
     SimulationError       the physics broke down: not a number or instability; names the component and the time
-    RenderingUnavailable  no offscreen OpenGL on this machine; names the packages that bring it
+    RenderingUnavailable  no offscreen OpenGL on this machine, names the packages that bring it; or its context was lost
 
 A wrong telecommand is none of these: it is refused in its acknowledgement, as on the spacecraft.
 """

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.environment import Environment
-from sim.errors import ConfigurationError
+from sim.errors import ConfigurationError, RenderingUnavailable
 from sim.offscreen import make_context
 from sim.sky import load_sky, star_image
 
@@ -66,7 +66,10 @@ class Renderer:
         self._set_scene(data, number, time_s, thrusting)
         mujoco.mj_kinematics(self._model, data)
         mujoco.mj_camlight(self._model, data)
-        shape = self._draw(data, number, width, height)
+        try:
+            shape = self._draw(data, number, width, height)
+        except Exception as error:  # each OpenGL binding has errors of its own
+            raise RenderingUnavailable(f"the OpenGL context was lost at {time_s:.0f} s: {error}") from error
         axes_I = data.cam_xmat[number].reshape(3, 3).T
         field_rad = math.radians(float(self._model.cam_fovy[number]))
         stars = star_image(self._sky, axes_I, field_rad, width, height, faintest=_FAINTEST[camera])

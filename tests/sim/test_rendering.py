@@ -99,3 +99,23 @@ def test_a_star_falls_on_its_pixel():
     row, column = np.unravel_index(image.argmax(), image.shape)
     assert row == 40
     assert abs(column - 50) == pytest.approx(0.1 * 81, abs=1.0)
+
+
+@pytest.mark.gl
+@pytest.mark.usefixtures("gl")
+def test_a_context_that_is_lost_in_flight_is_told_with_its_time_and_the_flight_goes_on(monkeypatch):
+    craft = Spacecraft(SpacecraftConfig(), 1)
+    craft.render("chase", 32, 32)
+    craft.advance(60)
+    renderer = craft._renderer
+
+    def lost():
+        raise RuntimeError("EGL_CONTEXT_LOST")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(renderer._context, "make_current", lost)
+        with pytest.raises(RenderingUnavailable, match="lost at 60 s: EGL_CONTEXT_LOST"):
+            craft.render("chase", 32, 32)
+    craft.advance(120)
+    assert craft.render("chase", 32, 32).shape == (32, 32, 3)
+    craft.close()
