@@ -17,6 +17,7 @@ from scenarios.ds1.protection import (
     ENGINE_TRIPPED,
     LPE_PROBE,
     MONITORS,
+    NEB2_OFF,
     RADIO_HUNG,
     RESPONSES,
 )
@@ -135,7 +136,7 @@ def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenP
         switch = TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
     else:
         switch = TokenPattern("Camera.switchedOn" if telemetry["micas.switch"] == "on" else "Camera.switchedOff")
-    health = "Engine.failed" if ENGINE_FAILED.name in conclusions else "Engine.works"
+    health = "Engine.works" if conclusions.isdisjoint((ENGINE_FAILED.name, NEB2_OFF.name)) else "Engine.failed"
     return (
         TokenPattern("Attitude.point", parameters={"target": str(telemetry["acs.target"])}),
         TokenPattern("Engine.standby"),

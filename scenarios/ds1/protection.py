@@ -27,6 +27,7 @@ ENGINE_FAILED = Conclusion("ips failed", "the ion engine is not to be relied on"
 ENGINE_RUNS_ON = Conclusion("ips runs on", "the ion engine thrusts without a plan")
 NEB1_STATUS_FALSE = Conclusion("neb1.status stuck_off", "the status sensor of bus NEB1 says off, and the bus is on")
 NEB1_OFF = Conclusion("neb1 off", "bus NEB1 has no power")
+NEB2_OFF = Conclusion("neb2 off", "bus NEB2 has no power: neither camera nor PASM nor ion engine")
 PASM_STATUS_FALSE = Conclusion("pasm.status stuck_off", "the status of switch PASM says off, and what it feeds answers")
 X_THRUSTER_CLOSED = Conclusion("rcs.x_thruster stuck_closed", "a valve of the x-thrusters stays closed")
 UNSTEADY = Conclusion("rcs unsteady", "neither mode of the thrusters holds the attitude")
@@ -85,7 +86,17 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
 
 
 MONITORS = (
-    Monitor("lpe-silent", (_is(LPE, "silent"), _is("pasm.switch", "on")), LPE_SILENT_S, LPE_HUNG),
+    Monitor(
+        "lpe-silent", (_is(LPE, "silent"), _is("pasm.switch", "on"), _is("neb2.status", "on")), LPE_SILENT_S, LPE_HUNG
+    ),
+    Monitor(
+        "neb2-power",
+        (_is("neb2.status", "off"),),
+        6,
+        NEB2_OFF,
+        votes=(Condition("neb2.current_A", "<=", 0.05), _is(LPE, "silent")),
+        needed=1,
+    ),
     # Of three witnesses of NEB1 (status, current, the star tracker behind it) the majority is believed.
     Monitor(
         "neb1-status",
@@ -138,6 +149,7 @@ RESPONSES = (
     Response(LPE_DEAD.name, forbids=("lpe.",), replan="never"),
     Response(NEB1_STATUS_FALSE.name, vetoes={"neb1.status": "on"}, replan="never"),
     Response(NEB1_OFF.name, replan="never"),
+    Response(NEB2_OFF.name, forbids=("ips.", "lpe."), waives=("ips.state",)),
     Response(PASM_STATUS_FALSE.name, vetoes={"pasm.switch": "on"}, replan="never"),
     Response(
         X_THRUSTER_CLOSED.name,

@@ -18,6 +18,7 @@ from scenarios.ds1.protection import (
     LPE_DEAD,
     LPE_HUNG,
     NEB1_STATUS_FALSE,
+    NEB2_OFF,
     UNSTEADY,
     X_THRUSTER_CLOSED,
 )
@@ -172,6 +173,14 @@ def test_an_engine_that_does_not_confirm_gets_no_more_commands() -> None:
     assert story.executive.outcome == "degraded"
     assert any(token.predicate == "Engine.failed" for token in story.executive.plans[-1].plan.tokens)
     assert story.broken_rules == ()
+
+
+def test_a_bus_without_power_is_told_from_a_hung_terminal() -> None:
+    """Status and current agree: no reset of what hangs behind it, no command to the engine, and the rest is done."""
+    story = fly(SHORT, neb2_off=60)
+    assert [(seen, what) for seen, what, *_ in story.diagnoses] == [(66, NEB2_OFF.name)]
+    assert story.sent("ips.") == story.sent("terminal.") == []
+    assert story.goals == {"thrust": "dropped", "downlink": "achieved"}
 
 
 def test_a_hung_engine_terminal_is_reset_and_the_command_sent_again() -> None:
