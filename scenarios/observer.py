@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from sim.navigation import Frame
 
 SAMPLE_PERIOD_S = 10
 CHASE_PERIOD_S = 1800
+MOST_CHASE_PICTURES = 48
 IMAGE_SIZE = 256
 
 LANES = (
@@ -39,6 +41,9 @@ CHANNELS = (
     Channel("power.margin_W", "Power", "power (W)", label="margin"),
     Channel("battery.soc", "Power", "battery charge (0 to 1)", label="charge"),
     Channel("ips.thrust_N", "Power", "thrust (N)", label="thrust"),
+    Channel("ips.xenon_kg", "Propellant", "xenon left (kg)", label="xenon"),
+    Channel("rcs.hydrazine_kg", "Propellant", "hydrazine left (kg)", label="hydrazine"),
+    Channel("ips.thrust_seconds", "Propellant", "time of thrust (s)", label="thrusting"),
 )
 
 
@@ -53,6 +58,7 @@ class Observer:
         self._warn = warn
         self._frame: Frame | None = None
         self._drawing = True
+        self._chase_period_s = CHASE_PERIOD_S * max(1, ceil(scenario.horizon / CHASE_PERIOD_S / MOST_CHASE_PICTURES))
         self.images = 0
         self._recorder = RunRecorder(
             path,
@@ -75,7 +81,7 @@ class Observer:
         if frame is not None and frame is not self._frame:
             self._frame = frame
             self._science(time, frame, int(telemetry["micas.images"]))
-        if time % CHASE_PERIOD_S == 0:
+        if time % self._chase_period_s == 0:
             self._chase(time, f"{telemetry['acs.target']}, engine {telemetry['ips.state']}")
 
     def event(self, entry: Mapping[str, Any]) -> None:

@@ -71,10 +71,12 @@ def _head(story: RunStory, title: str) -> str:
     achieved = sum(goal["status"] == "achieved" for goal in goals)
     facts = [f"{achieved} of {len(goals)} goals achieved", f"{clock(story.last)} flown", _count(story.plans, "plan")]
     if summary:
+        facts.append(f"{summary['replans']} of them forced by faults")
         facts.append(_count(summary["faults"], "fault"))
         facts.append(f"{summary['wall_seconds']:.1f} s of wall time")
+    kept = "".join(f'<p class="broken">Not as declared: {escape(words)}</p>' for words in summary.get("unmet", ()))
     badge = f'<span class="badge {escape(outcome.replace(" ", "-"))}">{escape(outcome)}</span>'
-    return f"<header><h1>{escape(title)} {badge}</h1><p>{escape(', '.join(facts))}</p></header>"
+    return f"<header><h1>{escape(title)} {badge}</h1><p>{escape(', '.join(facts))}</p>{kept}</header>"
 
 
 def _goals(story: RunStory) -> str:
@@ -103,8 +105,11 @@ def _faults(story: RunStory) -> str:
         diagnosis = fault.get("diagnosis")
         meant = texts.get(diagnosis) or diagnosis or ""
         times = [_time(fault.get("injected")), _time(fault.get("detected"))]
-        rows.append([escape(fault["name"]), *times, _text(meant), escape(fault.get("response") or "")])
-    return _table(("fault", "occurred", "noticed", "taken for", "response"), rows) if rows else "<p>None.</p>"
+        answer = [escape(fault.get("response") or ""), _time(fault.get("recovered"))]
+        rows.append([escape(fault["name"]), *times, _text(meant), *answer])
+    return (
+        _table(("fault", "occurred", "noticed", "taken for", "response", "recovered"), rows) if rows else "<p>None.</p>"
+    )
 
 
 def _plans(story: RunStory) -> str:

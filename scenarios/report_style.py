@@ -20,6 +20,7 @@ th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px s
 td { font-variant-numeric: tabular-nums; }
 td:is([data-head="goal"], [data-head="plan"], [data-head="fault"]) { white-space: nowrap; }
 .reason, .note { color: var(--soft); }
+header p.broken { color: #a3123a; font-weight: 600; }
 .note { font-size: .85rem; margin: .2rem 0 .5rem; }
 .wide { overflow-x: auto; }
 .wide svg { display: block; width: 100%; min-width: 860px; height: auto; }

@@ -127,9 +127,14 @@ def _faults(injected: Sequence[FaultSection], detected: Sequence[FaultRecord]) -
 
 def _detection(record: FaultRecord | None) -> dict[str, Any]:
     if record is None:
-        return {"detected": None, "diagnosis": None, "response": None}
+        return {"detected": None, "diagnosis": None, "response": None, "recovered": None}
     response = ", ".join(record.responses) or "replan"
-    return {"detected": record.detected, "diagnosis": record.diagnosis, "response": response}
+    return {
+        "detected": record.detected,
+        "diagnosis": record.diagnosis,
+        "response": response,
+        "recovered": record.recovered,
+    }
 
 
 def _percentile(latencies_s: Sequence[float], share: float) -> float | None:

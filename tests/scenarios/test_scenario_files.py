@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,8 @@ def test_what_a_file_must_not_say(tmp_path: Path, more: str, complaint: str) -> 
 
 def test_a_file_is_a_scenario() -> None:
     assert isinstance(parse(SMALL, "mine.toml"), Scenario)
+
+
+def test_the_template_is_a_scenario() -> None:
+    template = Path(str(files("scenarios"))) / "examples" / "template.toml"
+    assert load(str(template)).expect.achieved == ("photos", "thrust")
