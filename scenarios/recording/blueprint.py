@@ -87,7 +87,7 @@ class Layout:
                         origin=FAULTS_PATH, name="Faults, from injection to recovery", time_view=self._axis
                     ),
                     self._log("What happened", ["INFO", "WARN", "ERROR"]),
-                    row_shares=[1, 1.3],
+                    row_shares=[1.25, 1],
                 ),
                 column_shares=[1, 1, 1.5],
             )

@@ -33,6 +33,7 @@ _MILESTONES = frozenset(
     )
 )
 _MILESTONES_SHOWN = 12
+_PLANNERS_OWN = "Planner."  # what it is to do itself is no goal of the mission
 _OUTCOMES: dict[str, Literal["finished", "failed", "aborted"]] = {
     "token.finished": "finished",
     "token.failed": "failed",
@@ -126,7 +127,8 @@ class RunRecorder:
         timelines = hosts_by_timeline(plan)
         for name, lane in self._lanes.items():
             lane.plan(timelines.get(name, []), plan_id, handover)
-        wanted = sorted((t.start[0] or 0, t.goal) for t in plan.tokens if t.goal is not None)
+        goals = [t for t in plan.tokens if t.goal is not None and not t.predicate.startswith(_PLANNERS_OWN)]
+        wanted = sorted((t.start[0] or 0, str(t.goal)) for t in goals)
         self._goals.expect(self._now, dict.fromkeys(goal for _, goal in wanted))
         self._header.goals(self._now, self._goals)
         self._header.plan(plan_id, self._reason, handover)
