@@ -20,6 +20,7 @@ SUN_SENSOR_DEG = 64.0
 """The Sun stays this near to the axis of the fine Sun sensor, half-way between +X and -Z (assumption)."""
 BATTERY_FLOOR = 0.4
 WHEEL_LIMIT_RAD_S = 620.0
+ANTENNA_RAD = math.radians(0.5)
 PROPELLANT_RESERVE_KG = 1.0
 ATTITUDE_KNOWN_RAD = 1.0e-3
 
@@ -93,7 +94,7 @@ def _over_drawn(t: Telemetry, _: Commands) -> bool:
 
 
 def _off_earth(t: Telemetry, _: Commands) -> bool:
-    at_earth = t["acs.target"] == "earth" and t["acs.state"] == "settled"
+    at_earth = t["acs.target"] == "earth" and float(t["acs.error_rad"]) <= ANTENNA_RAD
     return t["radio.state"] == "downlinking" and not at_earth
 
 
@@ -144,7 +145,7 @@ FLIGHT_RULES = (
     ),
     FlightRule(
         "downlink-to-earth",
-        "the radio plays to the Earth, but for half a minute after it was lost",
+        "the radio plays to the Earth, within its beam, but for half a minute after it was lost",
         _off_earth,
         grace_s=30,
     ),

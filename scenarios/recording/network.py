@@ -227,7 +227,7 @@ def chosen_tokens(plan: FlexiblePlan, handover: int) -> list[PlanToken]:
     """At most eight host tokens whose start is open at the handover, spread over the plan; goals' own if any."""
     slots = [slot for timeline in plan.timelines for slot in timeline.slots]
     goals = {slot[0] for slot in slots if any(plan.token(t).goal for t in slot)}
-    free = [t for t in plan.hosts() if _is_open(t, handover)]
+    free = [t for t in plan.hosts() if _is_open(t, handover) and not t.predicate.startswith("Planner.")]
     wanted = [t for t in free if t.id in goals] or free
     wanted.sort(key=lambda t: (t.start[0] or 0, t.id))
     if len(wanted) > _MOST_TIMEPOINTS:
