@@ -94,15 +94,20 @@ def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
         "fault.detected": ("seen", lambda e: f"noticed: {e.get('text') or e.get('diagnosis') or e.get('monitor')}"),
         "plan.adopted": ("plan", lambda e: f"{e['plan']} takes over"),
     }
-    for entry in story.events(*kinds):
+    marks = [e for e in story.events(*kinds) if e["event"] != "plan.adopted" or e["reason"] != "initial"]
+    for entry in marks:
         style, words = kinds[entry["event"]]
         x, text = axis.x(entry["t"]), words(entry)
-        if style == "plan" and entry["reason"] == "initial":
-            continue
         row = {"fault": 10, "seen": 22, "plan": 34}[style]
         anchor, offset = ("start", 3) if x < 0.6 * WIDTH else ("end", -3)
-        yield f'<line class="{style}" x1="{x}" y1="2" x2="{x}" y2="{bottom}"/>'
-        yield f'<text class="{style}" x="{x + offset}" y="{row}" text-anchor="{anchor}">{escape(text)}</text>'
+        # Half the way to the neighbour in the same row, if that one's words come towards these.
+        others = [axis.x(e["t"]) for e in marks if e["event"] == entry["event"] and e is not entry]
+        gaps = [abs(o - x) for o in others if (o > x) == (anchor == "start")]
+        near = min(gaps, default=float(WIDTH))
+        letters = int(near * (0.5 if anchor == "end" or x + near >= 0.6 * WIDTH else 1.0) / _LETTER)
+        shown = text if len(text) <= letters else f"{text[: letters - 1]}…" if letters >= 4 else ""
+        yield f'<line class="{style}" x1="{x}" y1="2" x2="{x}" y2="{bottom}"><title>{escape(text)}</title></line>'
+        yield f'<text class="{style}" x="{x + offset}" y="{row}" text-anchor="{anchor}">{escape(shown)}</text>'
 
 
 def plot(panel: Plot, title: str, story: RunStory) -> str:
