@@ -18,7 +18,7 @@ th { text-align: left; font-size: .8rem; color: var(--soft); font-weight: 600; }
 th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px solid var(--rule);
   overflow-wrap: break-word; }
 td { font-variant-numeric: tabular-nums; }
-td:is([data-head="goal"], [data-head="plan"], [data-head="fault"]) { white-space: nowrap; }
+td:is([data-head="goal"], [data-head="at"], [data-head="plan"], [data-head="fault"]) { white-space: nowrap; }
 .reason, .note { color: var(--soft); }
 header p.broken { color: #a3123a; font-weight: 600; }
 .note { font-size: .85rem; margin: .2rem 0 .5rem; }

@@ -121,11 +121,18 @@ class RunStory:
             key = (str(entry.get("plan")), entry["token"])
             if entry["event"] == "token.started":
                 running[key] = entry
-            elif (started := running.pop(key, None)) is not None:
+                continue
+            if key not in running:  # a plan that joins takes running tokens over, under names of its own
+                key = next((k for k, e in running.items() if _same_timeline(e, entry)), key)
+            if (started := running.pop(key, None)) is not None:
                 end, state = entry.get("ended", entry["t"]), _ENDS[entry["event"]]
                 yield _stretch(started, end, state, str(entry.get("reason", "")))
         for started in running.values():
             yield _stretch(started, self.last, "running", "")
+
+
+def _same_timeline(one: Entry, other: Entry) -> bool:
+    return all(one.get(name) == other.get(name) for name in ("object", "attribute", "predicate"))
 
 
 def _stretch(started: Entry, end: int, state: str, note: str) -> tuple[str, Stretch]:

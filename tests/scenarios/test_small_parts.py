@@ -10,6 +10,7 @@ from scenarios.config import parse
 from scenarios.errors import ScenarioError
 from scenarios.faults import chosen_faults
 from scenarios.recording.boards import HeaderLane
+from scenarios.run_story import RunStory
 from scenarios.times import clock, seconds_of
 from scenarios.words import Reasons, in_words, most_like
 
@@ -109,3 +110,15 @@ lasting = ["10m", "20m"]
     assert chosen_faults(scenario, []) == ()
     with pytest.raises(ScenarioError, match=r"chance.toml: fault_rates\[0\].*expected parameters seconds"):
         parse(text.replace("seconds =", "minutes ="), "chance.toml")
+
+
+def test_a_token_that_a_joining_plan_takes_over_ends_under_its_new_name() -> None:
+    place = {"object": "engine", "attribute": "mode", "predicate": "Engine.standby", "parameters": {}}
+    entries = [
+        {"t": 0, "event": "token.started", "plan": "plan-01", "token": "t9", **place},
+        {"t": 50, "event": "token.finished", "plan": "plan-02", "token": "t2", "ended": 50, **place},
+        {"t": 60, "event": "token.started", "plan": "plan-02", "token": "t3", **place},
+    ]
+    story = RunStory(entries, {}, {}, (0, 100), 100)
+    done = [(stretch.start, stretch.end, stretch.state) for _, stretch in story._done()]
+    assert done == [(0, 50, "finished"), (60, 100, "running")]
