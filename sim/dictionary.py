@@ -131,6 +131,7 @@ _TELEMETRY = (
     Channel("neb2.current_A", "A", "float", 0.01, "current of power bus NEB2"),
     Channel("pasm.switch", "", "str", 0, "on | off: status of the power switch PASM"),
     Channel("rcs.mode", "", "str", 0, "x_for_y | z_for_y: which thrusters turn about Y"),
+    Channel("rcs.latch", "", "str", 0, "open | closed: the tank's latch valve; closed, no thruster fires"),
     Channel("rcs.hydrazine_kg", "kg", "float", 1e-4, "hydrazine left"),
     Channel("tracker.state", "", "str", 0, "tracking | blind | failed | off: star tracker"),
     Channel("acs.estimate_sigma_rad", "rad", "float", 1e-7, "standard deviation that the filter gives its attitude"),

@@ -12,6 +12,10 @@ each also turns the spacecraft:
 Two thrusters that share a sign about one axis turn about that axis alone. In mode `x_for_y` the x-thrusters serve Y
 and Z, the z-thrusters X; in `z_for_y` the z-thrusters serve Y and X, the x-thrusters Z. A thruster opens at least for
 its minimum time; a smaller impulse waits until enough has come together.
+
+The drive has an interlock: a chamber that is under pressure for two seconds without its command closes the latch valve
+of the tank, for good. Without it, a valve stuck open turns the spacecraft faster until it breaks; with it, all eight
+thrusters are lost (assumption; the flight's plumbing was not published in that detail).
 """
 
 from __future__ import annotations
@@ -35,8 +39,9 @@ ON, WORKS, SIGNS, CARRY = 0, 8, 16, 40
 TORQUE, FORCE = 43, 46
 FORCE_N, LEVER_M, MINIMUM_S, FLOW_KG_S = 49, 50, 51, 52
 USED_KG, LEFT_KG, POWERED, Z_FOR_Y = 53, 54, 55, 56
-STUCK_OPEN, LEAKS, FROZEN = 57, 65, 66
-SIZE = 67
+STUCK_OPEN, LEAKS, FROZEN, LEAKED_S, LATCHED = 57, 65, 66, 67, 68
+SIZE = 69
+LATCH_AFTER_S = 2.0
 
 
 @compiled
@@ -65,17 +70,22 @@ def push(m: Memory, dt_s: float) -> None:
     """Torque and force of the valves that are open in the next `dt_s`, and what they use."""
     for axis in range(3):
         m[TORQUE + axis] = m[FORCE + axis] = 0.0
-    if m[LEFT_KG] <= 0.0 or m[FROZEN] != 0.0:
+    if m[LEFT_KG] <= 0.0 or m[FROZEN] != 0.0 or m[LATCHED] != 0.0:
         return
+    leaking = False
     for k in range(8):
         share = m[WORKS + k] * m[POWERED] * m[ON + k] / dt_s
         if m[STUCK_OPEN + k] != 0.0:
             share = 1.0
+            leaking = True
         for axis in range(3):
             m[TORQUE + axis] += share * m[FORCE_N] * m[LEVER_M] * m[SIGNS + 3 * k + axis]
         m[FORCE if k < 4 else FORCE + 2] += share * (-m[FORCE_N] if k < 4 else m[FORCE_N])
         m[USED_KG] += share * dt_s * m[FLOW_KG_S]
         m[LEFT_KG] = max(0.0, m[LEFT_KG] - share * dt_s * m[FLOW_KG_S])
+    if leaking:
+        m[LEAKED_S] += dt_s
+        m[LATCHED] = 1.0 if m[LEAKED_S] >= LATCH_AFTER_S else 0.0
 
 
 @compiled
@@ -121,8 +131,8 @@ class Thrusters:
         return None
 
     def telemetry(self) -> dict[str, str]:
-        """The mode. Valves have no position sensors: a stuck one shows in the attitude alone."""
-        return {"rcs.mode": self.mode}
+        """Mode and latch valve. The thrusters' valves have no sensors: a closed one shows in the attitude."""
+        return {"rcs.mode": self.mode, "rcs.latch": "closed" if self.memory[LATCHED] else "open"}
 
     def set_fault(self, mode: str, active: bool, parameters: Mapping[str, float]) -> None:
         """`closed_`, `open_` and a thruster of `NAMES`: its valve does not open, or does not close."""

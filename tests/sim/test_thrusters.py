@@ -176,3 +176,16 @@ def test_wrong_modes_are_refused():
         assert isinstance(answer, Acknowledgement)
         assert not answer.accepted
         assert "expected one of" in answer.reason
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_valve_stuck_open_is_cut_off_by_the_latch_valve(name):
+    craft = Spacecraft(SpacecraftConfig(), 1)
+    craft.inject(f"thruster-{name}-open", at_s=100)
+    craft.advance(1500)
+    telemetry = craft.telemetry()
+    assert telemetry["rcs.latch"] == "closed"
+    flow_kg_s = 0.9 / (220.0 * 9.80665)
+    assert 31.1 - float(telemetry["rcs.hydrazine_kg"]) == pytest.approx(2.0 * flow_kg_s, abs=2e-4)
+    assert telemetry["acs.state"] == "settled"
+    assert float(telemetry["wheels.momentum_Nms"]) < 6.0
