@@ -16,7 +16,7 @@ import typer
 
 from scenarios.campaign.verbs import compare_campaigns, fly_campaign
 from scenarios.interrupt import interruptible
-from scenarios.progress import progress_bar
+from scenarios.progress import loading, progress_bar
 from scenarios.status import BAD_INPUT, DONE, FELL_SHORT, INTERRUPTED
 
 app = typer.Typer(
@@ -112,16 +112,18 @@ def run_scenario(
     as_json: AsJson = False,
 ) -> None:
     """Fly a scenario end to end, into a run folder."""
-    from scenarios.config import load
     from scenarios.errors import ScenarioError
-    from scenarios.faults import chosen_faults
 
     if seed < 0:
         raise ScenarioError(f"--seed: expected a whole number of at least 0, found {seed}")
     if fault and no_faults:
         raise ScenarioError("--fault and --no-faults contradict each other")
-    loaded = load(scenario)
-    faults = chosen_faults(loaded, [] if no_faults else fault, seed)
+    with loading(scenario, as_json):
+        from scenarios.config import load
+        from scenarios.faults import chosen_faults
+
+        loaded = load(scenario)
+        faults = chosen_faults(loaded, [] if no_faults else fault, seed)
     with progress_bar(loaded.name, loaded.horizon, as_json) as (progress, warn), interruptible() as check:
         from scenarios.folder import folder_to_resume, new_folder
         from scenarios.report import write_report

@@ -8,6 +8,18 @@ from contextlib import contextmanager
 
 
 @contextmanager
+def loading(what: str, quiet: bool) -> Iterator[None]:
+    """A line on standard error while something is read, gone when it is; nothing where that is no terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(f"{what}: loading"):
+        yield
+
+
+@contextmanager
 def progress_bar(
     title: str, total: int, quiet: bool
 ) -> Iterator[tuple[Callable[[int, str], None], Callable[[str], None]]]:
