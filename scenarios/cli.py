@@ -1,6 +1,6 @@
 """The `remote-agent` command.
 
-Exit status: 0 done, 1 ran but fell short, 2 bad input (and nothing written), 130 interrupted.
+Exit status: 0 done, 1 ran but fell short or broke off on a full disk, 2 bad input (nothing written), 130 interrupted.
 """
 
 from __future__ import annotations
@@ -48,11 +48,14 @@ def main() -> None:
     """Run the command; every complaint about input is one message on standard error and exit status 2."""
     from executive.errors import ExecutiveError
     from planner.errors import PlannerError
-    from scenarios.errors import ScenarioError
+    from scenarios.errors import RunBrokenError, ScenarioError
     from sim.errors import SimulatorError
 
     try:
         app()
+    except RunBrokenError as error:
+        print(f"remote-agent: {error}", file=sys.stderr)
+        sys.exit(FELL_SHORT)
     except (ScenarioError, PlannerError, ExecutiveError, SimulatorError) as error:
         print(f"remote-agent: {error}", file=sys.stderr)
         sys.exit(BAD_INPUT)

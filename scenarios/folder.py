@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from executive.journal import LineStream
-from scenarios.errors import ScenarioError
+from scenarios.errors import RunBrokenError, ScenarioError
 
 SUMMARY = "summary.json"
 JOURNAL = "journal.jsonl"
@@ -46,28 +47,49 @@ def folder_to_resume(wanted: Path | None) -> Path:
     return wanted
 
 
+@contextmanager
+def kept(path: Path, second: int | None = None) -> Iterator[None]:
+    """Around what writes a file of a run: RunBrokenError when the machine cannot keep it.
+
+    `second`: the simulation second that the run has come to; None when it is over.
+    """
+    try:
+        yield
+    except OSError as error:
+        when = "after the run's end" if second is None else f"the run ended at {second} s"
+        reason = error.strerror or str(error)
+        raise RunBrokenError(f"{path}: {reason}; {when}, what was written until then is readable") from error
+
+
 def new_stream(path: Path) -> LineStream:
     """A new journal file."""
     return path.open("x", encoding="utf-8", newline="\n")
 
 
 class OverheardStream:
-    """A journal's stream that tells each entry to a listener once it is written and flushed."""
+    """A journal's stream that tells each entry to a listener once it is written and flushed.
 
-    def __init__(self, stream: LineStream, listener: Callable[[dict[str, Any]], None]) -> None:
+    `path`: the name that a RunBrokenError gives it.
+    """
+
+    def __init__(self, stream: LineStream, listener: Callable[[dict[str, Any]], None], path: Path) -> None:
         self._stream = stream
         self._listener = listener
+        self._path = path
 
     def write(self, line: str, /) -> int:
-        """Write one line, flush it, tell it."""
-        count = self._stream.write(line)
-        self._stream.flush()
-        self._listener(json.loads(line))
+        """Write one line, flush it, tell it. RunBrokenError when the disk does not take it."""
+        entry = json.loads(line)
+        with kept(self._path, entry["t"]):
+            count = self._stream.write(line)
+            self._stream.flush()
+        self._listener(entry)
         return count
 
     def flush(self) -> None:
         """Nothing is left to flush."""
 
     def close(self) -> None:
-        """Close the stream."""
-        self._stream.close()
+        """Close the stream. RunBrokenError when the disk does not take what was left."""
+        with kept(self._path):
+            self._stream.close()

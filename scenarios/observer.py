@@ -94,8 +94,10 @@ class Observer:
 
     def close(self) -> None:
         """End the recording and give the renderer back."""
-        self._recorder.close()
-        self._spacecraft.close()
+        try:
+            self._recorder.close()
+        finally:
+            self._spacecraft.close()
 
     def _science(self, time: int, frame: Frame, images: int) -> None:
         """A frame of the science camera as it came, dark sky to black, with what was found in it."""

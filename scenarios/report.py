@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scenarios import charts
-from scenarios.errors import ScenarioError
+from scenarios.errors import RunBrokenError, ScenarioError
 from scenarios.folder import RECORDING, REPORT
 from scenarios.observer import CHANNELS
 from scenarios.recording import story as words
@@ -34,7 +34,8 @@ def write_report(folder: Path, to: Path | None = None) -> Path:
     try:
         target.write_text(page, encoding="utf-8")
     except OSError as error:
-        raise ScenarioError(f"{target}: {error.strerror}") from error
+        failure = RunBrokenError if to is None else ScenarioError  # to a file that was asked for: bad input
+        raise failure(f"{target}: {error.strerror}") from error
     return target
 
 

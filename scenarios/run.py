@@ -5,19 +5,21 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from executive.executive import Executive
-from executive.journal import Journal
+from executive.journal import Journal, LineStream
 from executive.network import PlanNetwork, conflict_of
-from executive.port import Plant
+from executive.port import Plant, TelemetryValue
 from executive.records import AdoptedPlan, Settings
 from executive.resume import Continuation, planner_of
 from executive.sequencer import Sequencer
+from planner.files import write_whole
 from planner.plan import FlexiblePlan
 from planner.planning import plan
 from planner.problem import Planner, PlanningResult, Problem
@@ -29,10 +31,10 @@ from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
 from scenarios.ds1.capability import capability_of
 from scenarios.ds1.domain import build_model
 from scenarios.ds1.protection import ENDING_COMMANDS
-from scenarios.errors import ScenarioError
+from scenarios.errors import RunBrokenError, ScenarioError
 from scenarios.faults import own_faults
 from scenarios.flight_rules import RuleWatch
-from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, new_stream
+from scenarios.folder import JOURNAL, PLANS, RECORDING, SUMMARY, OverheardStream, kept, new_stream
 from scenarios.judging import violations_of
 from scenarios.observer import Observer, Unobserved
 from scenarios.summary import summarize, unmet
@@ -98,11 +100,14 @@ class Flight:
     def fly(self, folder: Path, listener: Listener, resume: bool = False) -> dict[str, Any]:
         """Fly it, once, into an empty run folder. Whatever ends the run, the folder stays readable.
 
+        RunBrokenError when the disk does not take what is written.
+
         `resume`: the folder holds a run that was broken off. It is flown again from its start, on the answers that its
         journal holds, until the journal ends, and then goes on; ResumeError when it comes out differently.
         """
         summary = self._flown(RunLog(self, folder, listener, resume), listener)
-        (folder / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+        with kept(folder / SUMMARY):
+            write_whole(folder / SUMMARY, json.dumps(summary, indent=1) + "\n")
         return summary
 
     def fly_unrecorded(self) -> dict[str, Any]:
@@ -115,14 +120,17 @@ class Flight:
                 self.tell_faults(second, log.journal)
                 log.executive.step()
                 self.rules.look(second, self.plant.telemetry, self.plant.on_bus)
-                log.observer.look(second, self.plant.telemetry)
+                log.look(second, self.plant.telemetry)
                 listener.check()
                 if second % PROGRESS_PERIOD_S == 0:
                     listener.progress(second, log.doing)
             log.executive.finish()
             log.check_caught_up()
-        finally:
-            log.close()
+        except BaseException:
+            with suppress(RunBrokenError):  # what ended the run says more than what closing its files says of it
+                log.close()
+            raise
+        log.close()
         self.plans = log.executive.plans
         return self.summary(log)
 
@@ -181,12 +189,14 @@ class RunLog:
     def __init__(self, flight: Flight, folder: Path | None, listener: Listener, resume: bool) -> None:
         scenario, options = flight.scenario, flight.options
         self.folder = folder
+        self.place = folder or Path()
         self.listener = listener
         self.reasons = Reasons()
         self.doing = "standby"
         self.observer: Observer | Unobserved = Unobserved(flight.spacecraft)
         if folder is not None:
-            self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
+            with kept(folder / RECORDING, 0):
+                self.observer = Observer(scenario, flight.spacecraft, folder / RECORDING, options.images, listener.warn)
         settings = Settings(
             scenario=scenario.name,
             seed=options.seed,
@@ -199,24 +209,38 @@ class RunLog:
         if self.continuation is not None:
             recorded, settings = planner_of(self.continuation.history, think, settings)
             think = recorded.plan
-        stream = io.StringIO() if folder is None else self.continuation or new_stream(folder / JOURNAL)
-        self.stream = OverheardStream(stream, self.overhear)
+        self.stream = OverheardStream(self._open(), self.overhear, self.place / JOURNAL)
         self.journal = Journal(self.stream)
         goals = [goal.goal() for goal in scenario.goals]
         horizon = (0, scenario.horizon)
         self.executive = Executive(flight.port, BINDINGS, think, goals, horizon, self.journal, settings)
 
+    def _open(self) -> LineStream:
+        if self.folder is None:
+            return io.StringIO()
+        with kept(self.folder / JOURNAL, 0):
+            return self.continuation or new_stream(self.folder / JOURNAL)
+
+    def look(self, second: int, telemetry: Mapping[str, TelemetryValue]) -> None:
+        """What the spacecraft tells this second, told to the recording."""
+        with kept(self.place / RECORDING, second):
+            self.observer.look(second, telemetry)
+
     def overhear(self, entry: dict[str, Any]) -> None:
         """What the journal says, told to the recording; a plan is saved when it is adopted."""
         self.reasons.tell(entry)
-        self.observer.event(entry)
+        with kept(self.place / RECORDING, entry["t"]):
+            self.observer.event(entry)
         doing = _DOING.get(entry["event"])
         if entry["event"] == "plan.adopted":
             adopted = self.executive.plans[-1]
             doing = f"flying {adopted.id}"
             if self.folder is not None:
-                adopted.plan.save(self.folder / PLANS / f"{adopted.id}.json")
-            self.observer.plan(adopted.id, adopted.plan, adopted.handover)
+                path = self.folder / PLANS / f"{adopted.id}.json"
+                with kept(path, entry["t"]):
+                    adopted.plan.save(path)
+            with kept(self.place / RECORDING, entry["t"]):
+                self.observer.plan(adopted.id, adopted.plan, adopted.handover)
         if doing is not None:
             self.doing = doing
             self.listener.progress(entry["t"], doing)
@@ -229,7 +253,8 @@ class RunLog:
     def close(self) -> None:
         """End the recording and the journal."""
         try:
-            self.observer.close()
+            with kept(self.place / RECORDING):
+                self.observer.close()
         finally:
             self.stream.close()
 

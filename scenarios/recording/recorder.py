@@ -160,7 +160,6 @@ class RunRecorder:
         self._bounds.end(self._stream, end)
         self._network.write(self._stream, end + 1)
         self._tell_situation(end + 1)
-        self._stream.flush()
         self._stream.close()
 
     def __enter__(self) -> RunRecorder:

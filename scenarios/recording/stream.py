@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
+import os
+import shutil
+import sys
 from collections.abc import Sequence
+from errno import EIO, ENOSPC
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +17,9 @@ import rerun as rr
 TIMELINE = "sim_time"
 APPLICATION = "remote-agent"
 EPOCH_PROPERTY = "mission"
+RESERVE_BYTES = 8 << 20
+"""Room on the disk under which nothing more is recorded, for the file's end and for the journal."""
+PATIENCE_S = 60.0
 _NS = 1_000_000_000
 
 
@@ -19,12 +27,22 @@ class Stream:
     """An open .rrd file with its layout inside. `epoch`: Unix seconds of simulation second 0.
 
     Times are kept in whole nanoseconds: the same simulation second is the same instant whichever way it was written.
+
+    The library writes in a thread of its own. When a write fails there, it is never heard of again: to flush, to close
+    and to leave the process would all wait for ever. So room is looked for before, and flushing has an end.
+    OSError when the file cannot be made.
     """
 
-    def __init__(self, path: Path, epoch: float, layout: Any) -> None:
+    def __init__(self, path: Path, epoch: float, layout: Any, patience_s: float = PATIENCE_S) -> None:
+        self._path = path
+        self._patience_s = patience_s
+        self._lost = False
         self._epoch_ns = round(epoch * _NS)
         self._recording = rr.RecordingStream(APPLICATION)
-        self._recording.save(path, default_blueprint=layout)
+        try:
+            self._recording.save(path, default_blueprint=layout)
+        except RuntimeError as error:
+            raise OSError(EIO, str(error), str(path)) from error
         self._recording.set_log_time_enabled(False)
         self._recording.set_log_tick_enabled(False)
         self._recording.send_property(EPOCH_PROPERTY, rr.AnyValues(epoch_ns=self._epoch_ns))
@@ -49,9 +67,36 @@ class Stream:
         self._recording.send_columns(path, [column], columns)
 
     def flush(self) -> None:
-        """Bring all that was written to the file, so that a kill after this loses none of it."""
-        self._recording.flush()
+        """Bring all that was written to the file, so that a kill after this loses none of it.
+
+        OSError when the disk is full or nearly, or did not take it.
+        """
+        self._bring()
+        if shutil.disk_usage(self._path.parent).free < RESERVE_BYTES:
+            raise OSError(ENOSPC, os.strerror(ENOSPC), str(self._path))
 
     def close(self) -> None:
-        """Write the file's index and close it."""
+        """Write the file's index and close it. OSError when the disk did not take it."""
+        self._bring()
         self._recording.disconnect()
+
+    def _bring(self) -> None:
+        try:
+            if not self._lost:
+                self._recording.flush(timeout_sec=self._patience_s)
+                return
+        except RuntimeError:
+            self._lost = True
+            atexit.register(_leave, self._recording)
+        raise OSError(EIO, "the recording could not be written (is the disk full?)", str(self._path))
+
+
+def _leave(lost: rr.RecordingStream) -> None:
+    """End the process without what waits for a lost recording: its destructor (it is kept until here) and the library.
+
+    The status is that of a command that broke off.
+    """
+    del lost
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(1)
