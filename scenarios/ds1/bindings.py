@@ -10,6 +10,7 @@ from executive.sends import Confirmation, Send
 from planner.problem import TokenPattern
 from scenarios.ds1.capability import EXPOSURE_S
 from scenarios.ds1.protection import (
+    ARRAYS_WEAK,
     CAMERA_HUNG,
     CAMERA_STUCK_ON,
     ENGINE_FAILED,
@@ -137,12 +138,14 @@ def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenP
     else:
         switch = TokenPattern("Camera.switchedOn" if telemetry["micas.switch"] == "on" else "Camera.switchedOff")
     health = "Engine.works" if conclusions.isdisjoint((ENGINE_FAILED.name, NEB2_OFF.name)) else "Engine.failed"
+    weak = [given for given, conclusion in ARRAYS_WEAK.items() if conclusion.name in conclusions][:1]
     return (
         TokenPattern("Attitude.point", parameters={"target": str(telemetry["acs.target"])}),
         TokenPattern("Engine.standby"),
         TokenPattern(health, end=(FOREVER_S, None)),
         camera,
         switch,
+        *(TokenPattern("Arrays.weak", parameters={"given": given}, end=(FOREVER_S, None)) for given in weak),
     )
 
 

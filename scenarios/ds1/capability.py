@@ -51,6 +51,7 @@ def capability_of(config: SpacecraftConfig, horizon_s: int = 0, deliberation_s: 
         exposure=_observed((EXPOSURE_S + read_out[0], EXPOSURE_S + read_out[1])),
         downlink_power=config.radio_downlinking_W,
         planning=(1, deliberation_s + OBSERVED_LATE_S),
+        arrays=array_W,
     )
 
 

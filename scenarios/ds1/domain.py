@@ -10,7 +10,7 @@ from planner.constraints.standard import STANDARD
 from planner.errors import ModelError
 from planner.language.nddl.builder import load_text
 from planner.model.manager import ModelManager
-from scenarios.ds1.procedures import throttle_power, turn_duration
+from scenarios.ds1.procedures import missing_power, throttle_power, turn_duration
 
 DOMAIN, HEADER = "domain.nddl", "capability.nddl"
 
@@ -21,7 +21,7 @@ class Capability:
 
     `turns`: by (from, to) target, both ways and also for a target and itself. `throttle`: power by engine level, in the
     order in which a planner should prefer the levels. `power`: what the arrays give beyond the base load. `planning`:
-    how long planning the next horizon takes.
+    how long planning the next horizon takes. `arrays`: what they give, with the base load.
     """
 
     targets: Sequence[str]
@@ -36,12 +36,17 @@ class Capability:
     exposure: tuple[int, int]
     downlink_power: float
     planning: tuple[int, int]
+    arrays: float
 
 
 def build_model(capability: Capability) -> ModelManager:
     """The model manager of a spacecraft with these capabilities: one object of each class, named in lower case."""
     text = (files(__package__) / DOMAIN).read_text(encoding="utf-8")
-    procedures = STANDARD.with_procedures(turn_duration(capability.turns), throttle_power(capability.throttle))
+    procedures = STANDARD.with_procedures(
+        turn_duration(capability.turns),
+        throttle_power(capability.throttle),
+        missing_power(capability.arrays, capability.power),
+    )
     headers = {HEADER: header_of(capability)}
     model, _, _ = load_text(text, procedures, DOMAIN, headers=headers, model_name="ds1")
     return model

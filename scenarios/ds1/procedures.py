@@ -45,3 +45,15 @@ def throttle_power(throttle: Mapping[int, float]) -> ConstraintProcedure:
         return level.keep(left), power.intersect(Interval(min(drawn), max(drawn), integer=False))
 
     return ConstraintProcedure("throttlePower", narrow, 2, 2)
+
+
+def missing_power(planned: float, spare: float) -> ConstraintProcedure:
+    """The power expert: what is missing when the arrays give less than `planned`, at most all there is to spare."""
+
+    def narrow(domains: Sequence[Domain]) -> Sequence[Domain] | None:
+        """Power is what was planned for less what is given. All in watts."""
+        given, power = domains
+        least, most = (min(max(planned - watts, 0.0), spare) for watts in (given.upper, given.lower))
+        return given, power.intersect(Interval(least, most, integer=False))
+
+    return ConstraintProcedure("missingPower", narrow, 2, 2)

@@ -31,6 +31,11 @@ NEB2_OFF = Conclusion("neb2 off", "bus NEB2 has no power: neither camera nor PAS
 PASM_STATUS_FALSE = Conclusion("pasm.status stuck_off", "the status of switch PASM says off, and what it feeds answers")
 X_THRUSTER_CLOSED = Conclusion("rcs.x_thruster stuck_closed", "a valve of the x-thrusters stays closed")
 UNSTEADY = Conclusion("rcs unsteady", "neither mode of the thrusters holds the attitude")
+ARRAYS_WEAK = {
+    lower: Conclusion(f"power.arrays weak {lower}", f"the arrays give less than planned: {lower} to {lower + 100} W")
+    for lower in range(50, 2500, 100)
+}
+"""By the least that they give (watts). Bands, since what is concluded has to be discrete."""
 Z_THRUSTER_CLOSED = Conclusion("rcs.z_thruster stuck_closed", "a valve of the z-thrusters stays closed")
 
 # The LPE's terminal hangs on PASM, which standby switches on. What the flown executive waited before its diagnosis was
@@ -53,6 +58,10 @@ OVER_RATE_RAD_S = 3.4e-3
 OVER_RATE_S = 5
 STEADY_WITHIN_S = 1800
 RESTART_WITHIN_S = 2400
+# What loads take from the battery is within the planner's reserve and noise up to this; the wings, which follow a slew
+# for minutes, do not stay in a band of 100 W as long as this.
+OVERDRAWN_W = 60.0
+OVERDRAWN_S = 60
 
 
 def _is(channel: str, value: TelemetryValue) -> Condition:
@@ -83,6 +92,17 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
         when = (*steering, _is(concluded_channel(other), known))
         yield Monitor(f"drift under {mode}{words}", (*when, *drifting), persistence, conclusion, until=settled)
         yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
+
+
+def _overdrawn(lower: int, conclusion: Conclusion) -> Monitor:
+    """Pointed steadily, the loads that were planned take more than the arrays give, which is steadily this."""
+    steady = (_is("acs.state", "settled"), *_from_to("power.array_W", lower, lower + 100))
+    overdrawn = Condition("power.margin_W", "<", -OVERDRAWN_W)
+    return Monitor(f"overdrawn at {lower} W", (overdrawn, *steady), OVERDRAWN_S, conclusion)
+
+
+def _from_to(channel: str, lower: float, upper: float) -> tuple[Condition, Condition]:
+    return Condition(channel, ">=", lower), Condition(channel, "<", upper)
 
 
 MONITORS = (
@@ -117,6 +137,7 @@ MONITORS = (
     Monitor("pasm-status", (_is("pasm.switch", "off"), _is(LPE, "answers")), 6, PASM_STATUS_FALSE),
     *_lost_steering("x_for_y", X_THRUSTER_CLOSED, Z_THRUSTER_CLOSED),
     *_lost_steering("z_for_y", Z_THRUSTER_CLOSED, X_THRUSTER_CLOSED),
+    *(_overdrawn(lower, conclusion) for lower, conclusion in ARRAYS_WEAK.items()),
     Monitor("thrust-in-standby", (_is(MODE, "standby"), _is("ips.state", "thrusting")), 30, ENGINE_RUNS_ON),
 )
 

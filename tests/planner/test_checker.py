@@ -39,6 +39,7 @@ def ds1() -> tuple[ModelManager, Problem, FlexiblePlan]:
         (50, 72),
         60,
         (1, 60),
+        2500,
     )
     model = build_model(capability)
     goals = (

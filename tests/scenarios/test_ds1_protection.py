@@ -13,6 +13,7 @@ from executive.records import Settings
 from scenarios.config import FaultSection, parse
 from scenarios.ds1.bindings import BINDINGS, PLAN_NEXT
 from scenarios.ds1.protection import (
+    ARRAYS_WEAK,
     ENGINE_FAILED,
     ENGINE_TRIPPED,
     LPE_DEAD,
@@ -203,6 +204,31 @@ def test_the_hang_of_18_may_1999() -> None:
     mended = fly(SHORT + "[executive]\nhang_bug = false\n")
     assert mended.diagnoses == []
     completed_in_one_plan(mended)
+
+
+def test_arrays_that_give_less_stop_the_thrust_and_the_next_plan_has_less_power() -> None:
+    """A fifth is missing at full throttle: found in a minute, the rest of the day is thrust at a level that is fed."""
+    story = fly(SHORT.replace(", level = 48", "").replace("2h30m", "2h45m"), array_degraded=2400)
+    (fault,) = story.diagnoses
+    assert fault[:2] == (2460, ARRAYS_WEAK[1950].name)
+    stopped = next(t for t, name in story.sent("ips.") if name == "ips.stop")
+    assert stopped == 2460
+    first, second = (
+        {int(token.parameters["level"]) for token in adopted.plan.tokens if token.predicate == "Engine.thrust"}
+        for adopted in story.executive.plans
+    )
+    assert max(second) < max(first)
+    (weak,) = (token for token in story.executive.plans[-1].plan.tokens if token.predicate == "Arrays.weak")
+    assert weak.parameters["given"] == 1950
+    assert story.goals == {"thrust": "achieved", "downlink": "achieved"}
+    assert story.telemetry["battery.soc"] > 0.9
+    assert story.broken_rules == ()
+
+
+def test_arrays_that_give_less_where_it_suffices_are_let_be() -> None:
+    story = fly(SHORT, array_degraded=2400)
+    assert story.diagnoses == []
+    completed_in_one_plan(story)
 
 
 def test_two_horizons_join_without_a_gap() -> None:
