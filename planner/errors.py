@@ -5,6 +5,7 @@ PlannerError
     ProblemError        the problem does (a goal on an unknown predicate, a horizon that ends before it starts, ...)
     PlanFormatError     a plan file that is not one; says the field
     NetworkFormatError  a temporal network file that is not one; says the field
+    HintsError          a file of solver hints that is not one; says the key
 
 `planner.constraints.network.Inconsistency` is not among them: it is search's own signal, never reaches a user, and
 formats nothing unless asked.
@@ -36,6 +37,10 @@ class PlanFormatError(PlannerError):
 
 class NetworkFormatError(PlannerError):
     """A temporal network file is malformed; the message names the field."""
+
+
+class HintsError(PlannerError):
+    """A file of solver hints is malformed, or is not for this model; the message names the file and the key."""
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

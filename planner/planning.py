@@ -16,6 +16,7 @@ from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, SearchStatistics
 from planner.repair import Complaint, refusal_of
 from planner.search.engines import ENGINES, Search
+from planner.search.hints import Hints
 from planner.search.outcome import Limits, Outcome, Refusal
 
 Acceptance = Callable[[FlexiblePlan], Complaint | None]
@@ -39,24 +40,32 @@ def plan(
     limits: Limits | None = None,
     accept: Acceptance | None = None,
     engine: str = "portfolio",
+    hints: Hints | None = None,
 ) -> PlanningResult:
     """Plan for as many goals as can be achieved together, the higher priority first.
 
     All goals at once if possible. Otherwise each goal in order of priority is kept if a plan with it and those kept
     before exists, and dropped with the reason if not. `limits` are those of each attempt, `engine` one of
-    `planner.search.engines`. ProblemError for a problem that means nothing or an engine that there is not, ModelError
-    for a model that is not closed.
+    `planner.search.engines`, `hints` the order in which it tries. ProblemError for a problem that means nothing
+    or an engine that there is not, ModelError for a model that is not closed, HintsError for hints for another model.
     """
     if engine not in ENGINES:
         raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
-    return _Planning(model, problem, limits or Limits(), accept, ENGINES[engine].search).solve()
+    return _Planning(model, problem, limits or Limits(), accept, ENGINES[engine].search, hints).solve()
 
 
 class _Planning:
     def __init__(
-        self, model: ModelManager, problem: Problem, limits: Limits, accept: Acceptance | None, search: Search
+        self,
+        model: ModelManager,
+        problem: Problem,
+        limits: Limits,
+        accept: Acceptance | None,
+        search: Search,
+        hints: Hints | None,
     ) -> None:
         self.model = model
+        self.hints = None if hints is None else hints.of_model(model)
         self.search = search
         self.problem = problem
         self.limits = limits
@@ -106,7 +115,7 @@ class _Planning:
         accepted: list[FlexiblePlan] = []
         try:
             self.set_up(database, goals)
-            outcome = self.search(database, self.limits, self._acceptance(accepted), describe)
+            outcome = self.search(database, self.limits, self._acceptance(accepted), describe, self.hints)
         except Inconsistency as inconsistency:
             outcome.exhausted = True
             outcome.conflict = 0, describe(database.network.explain(inconsistency))

@@ -192,6 +192,11 @@ def plan_problem(
         bool, typer.Option("--explain", help="Say why each token is there, or which statements leave no plan.")
     ] = False,
     svg: Drawing = None,
+    hints: Annotated[
+        Path | None,
+        typer.Option(help="A TOML file of solver hints; without it the one beside the problem: rover.hints.toml."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random orders that hints ask for.")] = 0,
     as_json: AsJson = False,
 ) -> None:
     """Plan one problem."""
@@ -206,6 +211,8 @@ def plan_problem(
         include=include or (),
         procedures=procedures or (),
         explain=explain,
+        hints=hints,
+        seed=seed,
     )
     write_files(answer, out, svg)
     if as_json:

@@ -25,6 +25,9 @@ from planner.repair import refusal_of
 from planner.search.collector import patient_collector
 from planner.search.endless import assign_endless
 from planner.search.engines import ENGINES
+from planner.search.hint_files import beside
+from planner.search.hint_files import load as load_hints
+from planner.search.hints import Hints
 from planner.search.outcome import Limits, Outcome, Refusal
 from planner.temporal.network import TemporalNetworkManager
 from scenarios.drawing.svg import save as save_drawing
@@ -102,27 +105,32 @@ def plan_file(
     include: Sequence[Path] = (),
     procedures: Sequence[str] = (),
     explain: bool = False,
+    hints: Path | None = None,
+    seed: int = 0,
 ) -> PlanAnswer:
     """Plan the problem of an NDDL file. `procedures`: files and modules of its own constraint procedures. `explain`:
-    say why, which for a problem without a plan takes up to `max_seconds` again.
+    say why, which for a problem without a plan takes up to `max_seconds` again. `hints`: a file of solver hints instead
+    of the one beside the problem's file, if that is there; `seed`: of random orders in it.
 
     NddlError (bad input, with file, line and column of all that is wrong) for a text that is no model; UnsupportedError
     where it asks for what this planner does not do; ProblemError for an engine or a horizon that there cannot be;
-    ModelError for a procedure that fails.
+    ModelError for a procedure that fails; HintsError for hints that are none, or are for another model.
     """
     if engine not in ENGINES:
         raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
     registry = registry_with(procedures)
+    guide = _hints(path, hints, seed)
     _load_kernel()
     with patient_collector():
         started = perf_counter()
         model, program, report = load(path, registry, include)
+        guide = None if guide is None else guide.of_model(model)
         given = horizon or program.horizon
         if given is not None and given[0] >= given[1]:
             raise ProblemError(f"horizon: expected a start before the end, found [{given[0]} {given[1]}]")
         limits = _limits(program, max_seconds, max_steps)
         for span in DEFAULT_HORIZONS if given is None else (given,):
-            planning = _Planning(model, program, report, span, engine)
+            planning = _Planning(model, program, report, span, engine, guide)
             answer = planning.run(limits, started)
             if answer.verdict != "unsolvable":
                 break
@@ -154,6 +162,12 @@ def _load_kernel() -> None:
     temporal.propagate()
 
 
+def _hints(problem: Path, given: Path | None, seed: int) -> Hints | None:
+    """The hints of a file that is named, or else of the one beside the problem's; None where there is none."""
+    file = beside(problem) if given is None else given
+    return load_hints(file, seed) if given is not None or file.is_file() else None
+
+
 def _limits(program: Program, max_seconds: float, max_steps: int | None) -> Limits:
     if max_steps is None:
         max_steps = Limits().max_steps if program.max_steps is None else max(program.max_steps, FEWEST_STEPS)
@@ -171,9 +185,16 @@ def judge(database: PlanDatabase) -> Refusal | None:
 
 class _Planning:
     def __init__(
-        self, model: ModelManager, program: Program, report: Report, horizon: tuple[int, int], engine: str
+        self,
+        model: ModelManager,
+        program: Program,
+        report: Report,
+        horizon: tuple[int, int],
+        engine: str,
+        hints: Hints | None,
     ) -> None:
         self.model = model
+        self.hints = hints
         self.program = program
         self.report = report
         self.engine = engine
@@ -191,7 +212,7 @@ class _Planning:
         try:
             self.program.carry_out(database, self.report)
             loaded = perf_counter()
-            outcome = ENGINES[self.engine].search(database, limits, judge, self._dead_end)
+            outcome = ENGINES[self.engine].search(database, limits, judge, self._dead_end, self.hints)
         except Inconsistency as inconsistency:
             conflict = database.network.explain(inconsistency)
             self.suspects = Suspects(tuple(conflict), at_once=True)

@@ -6,6 +6,7 @@ from planner.constraints.network import Inconsistency
 from planner.database import PlanDatabase
 from planner.search.collector import patient_collector
 from planner.search.depth_first import DepthFirst
+from planner.search.hints import Hints
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
 
 
@@ -14,13 +15,14 @@ def search(
     limits: Limits,
     accept: Acceptance | None = None,
     describe: Description | None = None,
+    hints: Hints | None = None,
 ) -> Outcome:
     """Complete the partial plan in the database, which is at a propagated fixpoint.
 
     On success the database holds the plan; otherwise it is as before.
     """
     with patient_collector():
-        return Chronological(database, limits, accept, describe).run()
+        return Chronological(database, limits, accept, describe, hints).run()
 
 
 class Chronological(DepthFirst):

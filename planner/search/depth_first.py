@@ -14,6 +14,7 @@ from planner.database import PlanDatabase
 from planner.search.collector import Collector
 from planner.search.decisions import Decision
 from planner.search.flaws import Flaw, Ranking, nearest_first, next_flaw
+from planner.search.hints import Hints
 from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
 
 
@@ -32,12 +33,19 @@ class Frame:
 
 class DepthFirst(ABC):
     """A depth-first search; its engine says how to go back. `order`: which token comes next, nearest to the problem
-    first unless something else is set before `run`; `max_backtracks`: a further limit."""
+    first unless something else is set before `run`; `hints`: what comes before that;
+    `max_backtracks`: a further limit."""
 
     def __init__(
-        self, database: PlanDatabase, limits: Limits, accept: Acceptance | None, describe: Description | None
+        self,
+        database: PlanDatabase,
+        limits: Limits,
+        accept: Acceptance | None,
+        describe: Description | None,
+        hints: Hints | None = None,
     ) -> None:
         self.database = database
+        self.hints = hints
         self.order: Ranking = nearest_first
         self.max_backtracks: float = math.inf
         self.max_steps = limits.max_steps
@@ -60,7 +68,7 @@ class DepthFirst(ABC):
         """Resolve flaw after flaw until there is none, or no way on. Without a plan the database is as before."""
         bottom = self.database.trail.push()
         while True:
-            found = next_flaw(self.database, self.order)
+            found = next_flaw(self.database, self.order, self.hints)
             going_on = True
             if found is None:
                 refusal = None if self.accept is None else self.accept(self.database)

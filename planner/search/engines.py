@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Protocol
 
 from planner.database import PlanDatabase
 from planner.search import backjumping, chronological, portfolio
+from planner.search.hints import Hints
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
 
-Search = Callable[[PlanDatabase, Limits, Acceptance | None, Description | None], Outcome]
+
+class Search(Protocol):
+    """Completes the partial plan of a database within limits; `hints` say in which order to try."""
+
+    def __call__(
+        self,
+        database: PlanDatabase,
+        limits: Limits,
+        accept: Acceptance | None = None,
+        describe: Description | None = None,
+        hints: Hints | None = None,
+    ) -> Outcome:
+        """Search; on success the database holds the plan, otherwise it is as before."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.model.classes import ModelObject, objects_in
 from planner.search.decisions import Activate, Assign, Codesignate, Decision, Insert, Limit, Order, Reject, Settle
+from planner.search.hints import Hints
 from planner.tokens.coverage import SIDES, Coverage
 from planner.tokens.groups import OpenGroup, Rank
 from planner.tokens.instance import GuardInstance
@@ -26,14 +27,22 @@ from planner.tokens.token import GIVEN, Token
 class OpenToken:
     """A token that is not yet on a timeline."""
 
-    __slots__ = ("_openings", "token")
+    __slots__ = ("_openings", "hints", "token")
 
-    def __init__(self, token: Token) -> None:
+    def __init__(self, token: Token, hints: Hints | None = None) -> None:
         self.token = token
+        self.hints = hints
         self._openings: tuple[Iterable[Token], Iterable[tuple[ModelObject, int]]] | None = None
 
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         """Codesignate where possible, then the empty slots in order, then rejection where it is allowed."""
+        return (
+            self._decisions(database)
+            if self.hints is None
+            else self.hints.arranged(self.token, self._decisions(database))
+        )
+
+    def _decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         token, tokens = self.token, database.tokens
         hosts, places = self._openings or (tokens.hosts(token), tokens.places(token))
         for host in hosts:
@@ -67,15 +76,16 @@ class OpenToken:
 class Undecided:
     """A variable that has no value yet."""
 
-    __slots__ = ("variable",)
+    __slots__ = ("hints", "variable")
 
-    def __init__(self, variable: Variable) -> None:
+    def __init__(self, variable: Variable, hints: Hints | None = None) -> None:
         self.variable = variable
+        self.hints = hints
 
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
-        """The values that are left, in the order in which the domain lists them."""
+        """The values that are left, in the order in which the domain lists them, or as hinted."""
         domain = self.variable.domain
-        for value in domain.values():
+        for value in domain.values() if self.hints is None else self.hints.values_of(self.variable):
             one = Interval(value, value, domain.integer) if isinstance(domain, Interval) else domain.keep((value,))
             yield Assign(self.variable, value, one)
 
@@ -166,7 +176,9 @@ Ranking = Callable[[Token, int], Rank]
 """The rank of a token with so many decisions, two or more; the lowest comes first."""
 
 
-def next_flaw(database: PlanDatabase, order: Ranking | None = None) -> tuple[Flaw, Iterator[Decision]] | None:
+def next_flaw(
+    database: PlanDatabase, order: Ranking | None = None, hints: Hints | None = None
+) -> tuple[Flaw, Iterator[Decision]] | None:
     """The flaw to resolve next, with its decisions, none for a dead end. None: the plan is complete.
 
     The decisions are found as they are asked for, with the database as it is now.
@@ -175,13 +187,15 @@ def next_flaw(database: PlanDatabase, order: Ranking | None = None) -> tuple[Fla
     then one with a single decision; then the alternatives that the problem's own tokens leave open, since they decide
     what else is needed; then tokens, those nearest to the problem first (depth), and among them the one with the fewest
     decisions; then values that constraint tokens may not allow; then variables with the fewest values; then guards on
-    times; then contentions.
+    times; then contentions. Hints reorder those tokens and variables that are neither given, forced nor alternatives.
     """
     token = _given(database)
     if token is not None:
-        return OpenToken(token), OpenToken(token).decisions(database)
-    urgent = _most_urgent(database, order or nearest_first)
-    best: tuple[Flaw, Iterator[Decision]] | None = None
+        given = OpenToken(token, hints)
+        return given, given.decisions(database)
+    order = order or nearest_first
+    urgent = _most_urgent(database, order if hints is None else hints.ranking(order), hints)
+    best: tuple[OpenToken, Iterator[Decision]] | None = None
     if urgent is not None:
         rank, flaw = urgent
         decisions = flaw.decisions(database)
@@ -190,14 +204,16 @@ def next_flaw(database: PlanDatabase, order: Ranking | None = None) -> tuple[Fla
         if rank < NOT_FORCED or len(first) < 2:
             return best
     variable = next((v for v in database.tokens.alternatives if not v.domain.is_singleton), None)
-    undecided = Undecided(variable) if variable is not None else None
-    if undecided is None:
-        if best is not None:
+    undecided = Undecided(variable, hints) if variable is not None else None
+    if undecided is None and best is not None:
+        undecided = _earlier(database, best[0].token, hints)
+        if undecided is None:
             return best
+    if undecided is None:
         astride = next((Astride(coverage) for coverage in database.tokens.open_coverages()), None)
         if astride is not None:
             return astride, astride.decisions(database)
-        undecided = _smallest(database)
+        undecided = _smallest(database, hints)
     if undecided is not None:
         return undecided, undecided.decisions(database)
     return _unsettled(database) or _contention(database)
@@ -224,17 +240,31 @@ def _contention(database: PlanDatabase) -> tuple[Flaw, Iterator[Decision]] | Non
     return None
 
 
-def _smallest(database: PlanDatabase) -> Undecided | None:
-    """The variable with the fewest values among the oldest that are undecided: a window, so that a step stays cheap."""
+def _earlier(database: PlanDatabase, token: Token, hints: Hints | None) -> Undecided | None:
+    """The variable that hints want to be decided before a token, if there is one."""
+    if hints is None or not hints.has_priorities:
+        return None
+    found = _smallest(database, hints)
+    earlier = found is not None and hints.urgency_of_variable(found.variable) < hints.urgency(token)
+    return found if earlier else None
+
+
+def _smallest(database: PlanDatabase, hints: Hints | None) -> Undecided | None:
+    """The variable with the fewest values among the oldest that are undecided: a window, so that a step stays cheap.
+    Where hints give priorities, the one with the highest among all."""
     best: Variable | None = None
     fewest = math.inf
     sizes = ((v, v.domain.size) for v in database.tokens.still_undecided())
-    for variable, size in islice(((v, size) for v, size in sizes if size < math.inf), WINDOW):
+    finite = ((v, size) for v, size in sizes if size < math.inf)
+    if hints is not None and hints.has_priorities:
+        found = min(finite, key=lambda pair: (hints.urgency_of_variable(pair[0]), pair[1]), default=None)
+        return None if found is None else Undecided(found[0], hints)
+    for variable, size in islice(finite, WINDOW):
         if size < fewest:
             best, fewest = variable, size
             if size <= 2:
                 break
-    return Undecided(best) if best is not None else None
+    return Undecided(best, hints) if best is not None else None
 
 
 def _given(database: PlanDatabase) -> Token | None:
@@ -247,29 +277,31 @@ def _is_no_flaw(database: PlanDatabase, token: Token) -> bool:
     return token.role == "subgoal" and token.may_be_outside(database.horizon)
 
 
-def _most_urgent(database: PlanDatabase, order: Ranking) -> tuple[Rank, OpenToken] | None:
+def _most_urgent(database: PlanDatabase, order: Ranking, hints: Hints | None) -> tuple[Rank, OpenToken] | None:
     """The other open token that comes first. Only groups in which something happened are looked at again."""
     best: tuple[Rank, OpenToken] | None = None
     for group in database.tokens.open.look():
         if group.stale or group.wide:
-            found = _most_urgent_of(database, group, order)
+            found = _most_urgent_of(database, group, order, hints)
             group.best = None if found is None else (found[0], found[1].token)
             group.stale = False
         else:
-            found = None if group.best is None else (group.best[0], OpenToken(group.best[1]))
+            found = None if group.best is None else (group.best[0], OpenToken(group.best[1], hints))
         if found is not None and (best is None or found[0] < best[0]):
             best = found
     return best
 
 
-def _most_urgent_of(database: PlanDatabase, group: OpenGroup, order: Ranking) -> tuple[Rank, OpenToken] | None:
+def _most_urgent_of(
+    database: PlanDatabase, group: OpenGroup, order: Ranking, hints: Hints | None
+) -> tuple[Rank, OpenToken] | None:
     best: tuple[Rank, OpenToken] | None = None
     lower, upper = database.temporal.lower, database.temporal.upper
     crowded = len(group.tokens) > CROWD
     for token in group.tokens.values():
         if _is_no_flaw(database, token):
             continue
-        flaw = OpenToken(token)
+        flaw = OpenToken(token, hints)
         start, end = token.start.timepoint, token.end.timepoint
         key = lower(start), upper(start), lower(end), upper(end)
         if not crowded or key != token.rank_key:

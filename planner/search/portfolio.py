@@ -16,6 +16,7 @@ from planner.search.chronological import Chronological
 from planner.search.collector import patient_collector
 from planner.search.depth_first import DepthFirst
 from planner.search.flaws import Ranking, nearest_first, soonest_first
+from planner.search.hints import Hints
 from planner.search.outcome import Acceptance, Description, Limits, Outcome
 
 MEMBERS: tuple[tuple[type[DepthFirst], Ranking], ...] = (
@@ -35,6 +36,7 @@ def search(
     limits: Limits,
     accept: Acceptance | None = None,
     describe: Description | None = None,
+    hints: Hints | None = None,
 ) -> Outcome:
     """Complete the partial plan in the database, which is at a propagated fixpoint.
 
@@ -47,7 +49,7 @@ def search(
         while True:
             for kind, order in MEMBERS:
                 left = Limits(limits.max_steps - total.steps, deadline - perf_counter())
-                member = kind(database, left, accept, describe)
+                member = kind(database, left, accept, describe, hints)
                 member.order, member.max_backtracks = order, slice_
                 _look_again(database)
                 _add(total, member.run())
