@@ -50,6 +50,36 @@ def test_compiled_and_plain_fly_the_same():
                 assert other[channel] == value, channel
 
 
+CALLS = """
+import sys
+from sim import kernel_cache
+kernel_cache.__file__ = sys.argv[1] + "/any.py"
+sys.path.insert(0, sys.argv[1])
+import outer
+print(outer.outer(1.0), sum(outer.outer.stats.cache_hits.values()))
+"""
+
+
+def test_a_changed_inner_function_in_another_file_is_compiled_anew(tmp_path):
+    if not kernels.HAS_NUMBA:
+        pytest.skip("nothing is compiled without numba")
+    head = "from sim.kernels import compiled\n"
+    (tmp_path / "outer.py").write_text(
+        f"{head}from inner import inner\n\n@compiled\ndef outer(x):\n    return inner(x)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def call():
+        command = [sys.executable, "-c", CALLS, str(tmp_path)]
+        return subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout.split()
+
+    (tmp_path / "inner.py").write_text(f"{head}\n@compiled\ndef inner(x):\n    return x + 1.0\n")
+    assert call() == ["2.0", "0"]
+    assert call() == ["2.0", "1"]
+    (tmp_path / "inner.py").write_text(f"{head}\n@compiled\ndef inner(x):\n    return x + 2.0\n")
+    assert call() == ["3.0", "0"]
+
+
 def test_without_numba_functions_stay_as_they_are(monkeypatch):
     monkeypatch.setattr(kernels, "HAS_NUMBA", False)
 
