@@ -14,7 +14,8 @@
     filter = true                  # resolved when no other token or variable is left; instead of a priority
 
 `min` and `max` of values that are not numbers are the order of their declaration and its reverse. What a list names
-and a domain does not hold is passed over.
+and a domain does not hold is passed over, and so is a variable that does not exist where neither class nor predicate is
+given: it might be any of the problem's own.
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ from planner.domains import Interval
 from planner.errors import HintsError, nearest
 from planner.model.classes import objects_in
 from planner.model.manager import ModelManager
+from planner.model.rules import ForEach, Guard, Local, OneOf
 from planner.search.decisions import Activate, Codesignate, Decision, Insert
 from planner.tokens.groups import Rank
 from planner.tokens.instance import RuleInstance
@@ -82,7 +83,7 @@ class Hints:
     where: str = "hints"
 
     def of_model(self, model: ModelManager) -> Hints:
-        """These hints for a model; HintsError for a class or a predicate that it does not have."""
+        """These hints for a model; HintsError for a name that it does not have."""
         return replace(self, hints=tuple(self._of_model(n, hint, model) for n, hint in enumerate(self.hints)))
 
     def _of_model(self, number: int, hint: Hint, model: ModelManager) -> Hint:
@@ -95,6 +96,12 @@ class Hints:
         if hint.predicate is not None and hint.predicate not in predicates:
             there = f"there is no predicate named {hint.predicate!r}{nearest(hint.predicate, predicates)}"
             raise HintsError(f"{self.where}: hint[{number}].predicate: {there}")
+        if hint.variable is not None and (hint.cls is not None or hint.predicate is not None):
+            values = ((c, p) for c in below or known for p in model.predicates_of(c) if hint.predicate in (None, p))
+            variables = dict.fromkeys(name for cls, predicate in values for name in _variables(model, cls, predicate))
+            if hint.variable not in variables:
+                there = f"there is no variable named {hint.variable!r}{nearest(hint.variable, variables)}"
+                raise HintsError(f"{self.where}: hint[{number}].variable: {there}")
         return replace(hint, classes=below)
 
     @property
@@ -148,6 +155,23 @@ class Hints:
         placed += kinds.pop(Activate, [])
         merged = kinds.pop(Codesignate, [])
         return chain(*((placed, merged) if prefer == "insert" else (merged, placed)), *kinds.values())
+
+
+def _variables(model: ModelManager, cls: str, predicate: str) -> Iterator[str]:
+    """The parameters of a predicate and the local variables of its rules."""
+    found = model.predicate(cls, predicate)
+    yield from (parameter.name for parameter in found.parameters)
+    pending = [*found.body, *(statement for rule in model.rules_for(cls, predicate) for statement in rule.body)]
+    while pending:
+        statement = pending.pop()
+        if isinstance(statement, Local | OneOf):
+            yield statement.name
+        if isinstance(statement, Guard):
+            pending += (*statement.then, *statement.otherwise)
+        elif isinstance(statement, OneOf):
+            pending += chain(*statement.branches)
+        elif isinstance(statement, ForEach):
+            pending += statement.body
 
 
 def _is_of_token(hint: Hint, token: Token) -> bool:

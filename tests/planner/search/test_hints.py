@@ -205,7 +205,7 @@ def test_hints_leave_what_can_be_planned_as_it_is() -> None:
     for seed in range(120):
         small, draw = random_small(random.Random(seed)), random.Random(seed)
         model, problem = model_of(small), problem_of(small)
-        predicates = sorted({p for cls in model.classes() for p in cls.predicates})
+        predicates = sorted(small.kinds)
         hints = Hints(tuple(_random_hint(draw, predicates) for _ in range(4)), seed)
         limits = Limits(max_steps=2000, max_seconds=20)
         engine = draw.choice(["chronological", "backjumping", "portfolio"])
@@ -275,6 +275,11 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
     [
         ('class = "Lmap"', "hint[1].class: there is no class named 'Lmap'; did you mean Lamp?"),
         ('predicate = "onn"', "hint[1].predicate: there is no predicate named 'onn'; did you mean on"),
+        (
+            'predicate = "on"\nvariable = "colourr"',
+            "hint[1].variable: there is no variable named 'colourr'; did you mean colour?",
+        ),
+        ('class = "Bell"\nvariable = "colour"', "hint[1].variable: there is no variable named 'colour'"),
         ('class = "Bell"\npredicate = "on"', "hint[1].predicate: there is no predicate named 'on'"),
     ],
 )
