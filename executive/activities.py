@@ -295,7 +295,8 @@ class Activities:
         missing = "its start is not confirmed" if run.finish is None else run.finish.first_failing(telemetry)
         detail = f"not ended after {run.token.duration[1]} s: {missing}"
         finish = None if run.activity is None else run.activity.finish
-        return Violation("late", detail, run.token.id, None if finish is None else finish.conclusion)
+        speaks = finish is not None and all(c.bound_to(run.parameters).holds(telemetry) for c in finish.evidence)
+        return Violation("late", detail, run.token.id, finish.conclusion if finish is not None and speaks else None)
 
     def _if_over(self, run: RunningToken, now: int) -> tuple[PlanToken, ...]:
         if not run.is_over:

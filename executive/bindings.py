@@ -35,13 +35,15 @@ class Finish:
 
     It counts only in telemetry after the start was confirmed. Its deadline is the plan's: start plus the longest
     duration. `hold_early`: an end seen before the shortest duration is taken as one at the shortest duration, because
-    what it brought about lasts (a device that warmed up early stays warm); otherwise it is a violation.
+    what it brought about lasts (a device that warmed up early stays warm); otherwise it is a violation. `conclusion` is
+    drawn when it is late and all of `evidence` holds.
     """
 
     conditions: tuple[Condition, ...]
     persistence: int = 0
     hold_early: bool = False
     conclusion: Conclusion | None = None
+    evidence: tuple[Condition, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

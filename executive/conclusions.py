@@ -85,6 +85,13 @@ class Conclusions:
         """Whether it is taken as true."""
         return conclusion.name in self._standing
 
+    def following(self, conclusion: Conclusion | None) -> Conclusion | None:
+        """What speaks for `conclusion` now says: `otherwise` if it stands already and there is no recovery from it."""
+        response = None if conclusion is None else self._bindings.response(conclusion)
+        if conclusion is None or response is None or response.recoveries or not self.stands(conclusion):
+            return conclusion
+        return response.otherwise or conclusion
+
     def forbids(self, command: str) -> str | None:
         """The conclusion because of which a command is not to be sent; None when it may be."""
         for name, conclusion in self._standing.items():

@@ -7,6 +7,7 @@ but what was observed. Same inputs, same journal.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import NoReturn
 
 from executive.adoption import Adoptions, Search
@@ -219,6 +220,7 @@ class Executive:
 
     def _recover(self, violations: list[Violation]) -> None:
         """Record violations, draw their conclusions; a plan that was violated is given up for standby."""
+        violations = [replace(v, conclusion=self._conclusions.following(v.conclusion)) for v in violations]
         for violation in violations:
             self._statistics.count(violation.kind)
             self._journal.write(self._now, "violation", {"kind": violation.kind, "detail": violation.detail})

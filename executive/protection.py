@@ -125,7 +125,7 @@ class Response:
     fault is still there, but is worked around). While they are tried, the locks named in `restores` may be broken, and
     the conclusions named in `masks` are not drawn: what speaks for them may come from this fault or from its recovery.
     After `limit` uses in a run they are not tried any more. When there is none left, `otherwise` is concluded if it is
-    given, with its own response.
+    given, with its own response; where there are no recoveries at all, when what it is concluded from is seen again.
 
     While the conclusion stands: `vetoes` replaces what channels say by what is believed (None: nothing is known);
     commands whose names begin with one of `forbids` are not sent any more (the device is marked as failed); standby

@@ -16,10 +16,12 @@ from scenarios.ds1.protection import (
     ENGINE_FAILED,
     ENGINE_HUNG,
     ENGINE_TRIPPED,
+    IMAGE_LOST,
     LPE_PROBE,
     MONITORS,
     NEB2_OFF,
     RADIO_HUNG,
+    RECORDER_STUCK,
     RESPONSES,
 )
 
@@ -90,7 +92,12 @@ ACTIVITIES = (
         contingent=True,
         start=(Send("micas.expose", {"target": "$target", "seconds": EXPOSURE_S}),),
         started=Confirmation(_is("micas.state", "exposing"), within=5, unanswered=CAMERA_HUNG),
-        finish=Finish((*_is("micas.state", "ready"), Condition("micas.images", "increased_by", 1)), hold_early=True),
+        finish=Finish(
+            (*_is("micas.state", "ready"), Condition("micas.images", "increased_by", 1)),
+            hold_early=True,
+            conclusion=IMAGE_LOST,
+            evidence=_is("micas.state", "ready"),
+        ),
     ),
     Activity(
         "Camera.off",
@@ -132,21 +139,27 @@ STANDBY = Standby(
 
 def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPattern, ...]:
     """The tokens that hold when the spacecraft stands by with this telemetry and these conclusions drawn."""
-    camera = TokenPattern("Camera.ready" if telemetry["micas.state"] == "ready" else "Camera.off")
-    if CAMERA_STUCK_ON.name in conclusions and telemetry["micas.switch"] == "on":
-        switch = TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
-    else:
-        switch = TokenPattern("Camera.switchedOn" if telemetry["micas.switch"] == "on" else "Camera.switchedOff")
     health = "Engine.works" if conclusions.isdisjoint((ENGINE_FAILED.name, NEB2_OFF.name)) else "Engine.failed"
     weak = [given for given, conclusion in ARRAYS_WEAK.items() if conclusion.name in conclusions][:1]
     return (
         TokenPattern("Attitude.point", parameters={"target": str(telemetry["acs.target"])}),
         TokenPattern("Engine.standby"),
         TokenPattern(health, end=(FOREVER_S, None)),
-        camera,
-        switch,
+        *_camera_now(telemetry, conclusions),
         *(TokenPattern("Arrays.weak", parameters={"given": given}, end=(FOREVER_S, None)) for given in weak),
     )
+
+
+def _camera_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPattern, ...]:
+    """Its mode and its switch. Where no images are kept it is of no use, but draws its power if it is on."""
+    on, stuck = telemetry["micas.switch"] == "on", TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
+    if RECORDER_STUCK.name in conclusions:
+        retired = TokenPattern("Camera.retired", end=(FOREVER_S, None))
+        return (retired, stuck) if on else (retired,)
+    mode = TokenPattern("Camera.ready" if telemetry["micas.state"] == "ready" else "Camera.off")
+    if CAMERA_STUCK_ON.name in conclusions and on:
+        return mode, stuck
+    return mode, TokenPattern("Camera.switchedOn" if on else "Camera.switchedOff")
 
 
 BINDINGS = Bindings(

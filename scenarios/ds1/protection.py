@@ -17,6 +17,8 @@ from executive.sends import Conclusion, Confirmation, Send
 from executive.sequencer import RESTART
 
 CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch does not go off")
+IMAGE_LOST = Conclusion("micas image lost", "an image was read out and is not on the recorder")
+RECORDER_STUCK = Conclusion("recorder stuck", "the recorder takes no images")
 CAMERA_HUNG = Conclusion("micas.terminal hung", "the camera's terminal does not answer")
 RADIO_HUNG = Conclusion("radio.terminal hung", "the radio's terminal does not answer")
 LPE_HUNG = Conclusion("lpe.terminal hung", "the terminal of the LPE does not answer")
@@ -187,6 +189,7 @@ RESPONSES = (
         masks=(X_THRUSTER_CLOSED.name, UNSTEADY.name, ENGINE_TRIPPED.name),
     ),
     Response(UNSTEADY.name, _WHEELS, lasts=True, restores=("pointing", "thrust"), masks=(ENGINE_TRIPPED.name,)),
+    Response(IMAGE_LOST.name, otherwise=RECORDER_STUCK, replan="never"),
     Response(CAMERA_HUNG.name, (Recovery("reset the terminal", (_reset("micas"),), within=5),)),
     Response(RADIO_HUNG.name, (Recovery("reset the terminal", (_reset("radio"),), within=5),)),
     # Where the engine has done what it was told, it is the answer that was lost: nothing to reset, nothing to rely on.

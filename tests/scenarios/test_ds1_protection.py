@@ -16,10 +16,12 @@ from scenarios.ds1.protection import (
     ARRAYS_WEAK,
     ENGINE_FAILED,
     ENGINE_TRIPPED,
+    IMAGE_LOST,
     LPE_DEAD,
     LPE_HUNG,
     NEB1_STATUS_FALSE,
     NEB2_OFF,
+    RECORDER_STUCK,
     UNSTEADY,
     X_THRUSTER_CLOSED,
 )
@@ -229,6 +231,47 @@ def test_arrays_that_give_less_where_it_suffices_are_let_be() -> None:
     story = fly(SHORT, array_degraded=2400)
     assert story.diagnoses == []
     completed_in_one_plan(story)
+
+
+IMAGING = """
+name = "imaging"
+summary = "two sessions, and one downlink after them"
+horizon = "4h"
+deliberation = "2m"
+
+[[goals]]
+id = "downlink"
+predicate = "Radio.downlink"
+window = ["3h10m", "4h"]
+lasting = "5m"
+priority = 1
+""" + "".join(
+    f"""
+[[goals]]
+id = "session-{letter}"
+predicate = "Navigation.session"
+parameters = {{ target = "asteroid_{letter}" }}
+window = ["30m", "3h10m"]
+priority = 5
+"""
+    for letter in "ab"
+)
+
+
+def test_a_recorder_that_takes_no_images_ends_the_imaging() -> None:
+    """One image lost may be chance and is tried again; after the second the sessions are unreachable at once."""
+    story = fly(IMAGING, recorder_stuck=60)
+    assert [what for _, what, *_ in story.diagnoses] == [IMAGE_LOST.name, RECORDER_STUCK.name]
+    assert len(story.sent("micas.expose")) == 2
+    assert story.goals == {"downlink": "achieved", "session-a": "dropped", "session-b": "dropped"}
+    for goal in story.executive.goals:
+        assert goal.status == "achieved" or (goal.reason or "").startswith("unreachable")
+    last = story.executive.plans[-1]
+    assert last.reason.startswith(RECORDER_STUCK.text)
+    assert last.statistics.steps < 1000
+    assert {token.predicate for token in last.plan.tokens if token.object == "camera"} == {"Camera.retired"}
+    assert story.telemetry["micas.switch"] == "off"
+    assert story.broken_rules == ()
 
 
 def test_two_horizons_join_without_a_gap() -> None:
