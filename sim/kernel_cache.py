@@ -34,8 +34,12 @@ def sources_stamp(root: Path) -> str:
 
 
 def _of_all_sources(locator: Any) -> Any:
-    """The same place for the cache, stamped with all files. `locator`: one of numba's classes."""
-    return type(locator.__name__, (locator,), {"get_source_stamp": lambda _: sources_stamp(Path(__file__).parent)})
+    """The same place for the cache, stamped with the function's own file and all of ours. `locator`: numba's class."""
+
+    def stamp(self: Any) -> tuple[object, str]:
+        return locator.get_source_stamp(self), sources_stamp(Path(__file__).parent)
+
+    return type(locator.__name__, (locator,), {"get_source_stamp": stamp})
 
 
 class _Implementation(CompileResultCacheImpl):  # type: ignore[misc]  # numba has no types
