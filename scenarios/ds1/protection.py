@@ -2,7 +2,8 @@
 
 Monitors, conclusions and responses follow the flown cases: a hung terminal is reset, a status sensor that two others
 contradict is not believed, a thruster that stays closed is worked around by the mode that does not need it, and an
-engine that does not confirm its commands gets no more of them.
+engine that does not confirm its commands gets no more of them. Of the project's own: arrays that give less than planned
+are planned with, a recorder that keeps no images ends the imaging, and wheels that do not hold give way to thrusters.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ ARRAYS_WEAK = {
     for lower in range(50, 2500, 100)
 }
 """By the least that they give (watts). Bands, since what is concluded has to be discrete."""
+WHEELS_LOST = Conclusion("wheels lost", "the wheels do not hold the attitude")
 Z_THRUSTER_CLOSED = Conclusion("rcs.z_thruster stuck_closed", "a valve of the z-thrusters stays closed")
 
 # The LPE's terminal hangs on PASM, which standby switches on. What the flown executive waited before its diagnosis was
@@ -74,17 +76,19 @@ def _reset(terminal: str) -> Step:
     return Step((Send("terminal.reset", {"name": terminal}),))
 
 
+_DRIFTING = (
+    _is("acs.state", "slewing"),
+    Condition("acs.error_rad", ">", DRIFT_ERROR_RAD),
+    Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
+)
+
+
 def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[Monitor]:
     """The attitude drifts off, or a slew runs away, while the thrusters steer in that mode.
 
     It speaks for a thruster that the mode depends on; once the other mode has been found wanting, against both.
     """
     steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
-    drifting = (
-        _is("acs.state", "slewing"),
-        Condition("acs.error_rad", ">", DRIFT_ERROR_RAD),
-        Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
-    )
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
     settled = (_is("acs.state", "settled"),)
     for conclusion, known, words, persistence in (
@@ -92,7 +96,7 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
         (UNSTEADY, True, " too", DRIFT_AGAIN_S),
     ):
         when = (*steering, _is(concluded_channel(other), known))
-        yield Monitor(f"drift under {mode}{words}", (*when, *drifting), persistence, conclusion, until=settled)
+        yield Monitor(f"drift under {mode}{words}", (*when, *_DRIFTING), persistence, conclusion, until=settled)
         yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
 
 
@@ -139,6 +143,13 @@ MONITORS = (
     Monitor("pasm-status", (_is("pasm.switch", "off"), _is(LPE, "answers")), 6, PASM_STATUS_FALSE),
     *_lost_steering("x_for_y", X_THRUSTER_CLOSED, Z_THRUSTER_CLOSED),
     *_lost_steering("z_for_y", Z_THRUSTER_CLOSED, X_THRUSTER_CLOSED),
+    Monitor(
+        "drift on wheels",
+        (_is("acs.actuators", "wheels"), *_DRIFTING),
+        DRIFT_S,
+        WHEELS_LOST,
+        until=(_is("acs.state", "settled"),),
+    ),
     *(_overdrawn(lower, conclusion) for lower, conclusion in ARRAYS_WEAK.items()),
     Monitor("thrust-in-standby", (_is(MODE, "standby"), _is("ips.state", "thrusting")), 30, ENGINE_RUNS_ON),
 )
@@ -157,6 +168,7 @@ def _steer_by(name: str, send: Send) -> tuple[Recovery, Recovery]:
 _X_FOR_Y = _steer_by("steer by the x-thrusters about Y", Send("rcs.mode", {"mode": "x_for_y"}))
 _Z_FOR_Y = _steer_by("steer by the z-thrusters about Y", Send("rcs.mode", {"mode": "z_for_y"}))
 _WHEELS = _steer_by("steer by the wheels", Send("acs.actuators", {"name": "wheels"}))
+_THRUSTERS = _steer_by("steer by the thrusters", Send("acs.actuators", {"name": "thrusters"}))
 _RELIGHT = Step((Send("ips.thrust", {"level": "$level"}),), Confirmation((_is("ips.state", "thrusting"),), within=10))
 _START = Step((Send("ips.start"),), Confirmation((_is("ips.state", "ready"),), within=RESTART_WITHIN_S))
 _STOP = Step((Send("ips.stop"),))
@@ -189,6 +201,13 @@ RESPONSES = (
         masks=(X_THRUSTER_CLOSED.name, UNSTEADY.name, ENGINE_TRIPPED.name),
     ),
     Response(UNSTEADY.name, _WHEELS, lasts=True, restores=("pointing", "thrust"), masks=(ENGINE_TRIPPED.name,)),
+    Response(
+        WHEELS_LOST.name,
+        _THRUSTERS,
+        lasts=True,
+        restores=("pointing", "thrust"),
+        masks=(X_THRUSTER_CLOSED.name, Z_THRUSTER_CLOSED.name, UNSTEADY.name, ENGINE_TRIPPED.name),
+    ),
     Response(IMAGE_LOST.name, otherwise=RECORDER_STUCK, replan="never"),
     Response(CAMERA_HUNG.name, (Recovery("reset the terminal", (_reset("micas"),), within=5),)),
     Response(RADIO_HUNG.name, (Recovery("reset the terminal", (_reset("radio"),), within=5),)),

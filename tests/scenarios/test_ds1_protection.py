@@ -23,6 +23,7 @@ from scenarios.ds1.protection import (
     NEB2_OFF,
     RECORDER_STUCK,
     UNSTEADY,
+    WHEELS_LOST,
     X_THRUSTER_CLOSED,
 )
 from scenarios.flight_rules import RuleViolation
@@ -230,6 +231,18 @@ def test_arrays_that_give_less_stop_the_thrust_and_the_next_plan_has_less_power(
 def test_arrays_that_give_less_where_it_suffices_are_let_be() -> None:
     story = fly(SHORT, array_degraded=2400)
     assert story.diagnoses == []
+    completed_in_one_plan(story)
+
+
+def test_where_the_wheels_do_not_hold_the_thrusters_do() -> None:
+    """A wheel fails while the engine's gimbals steer: found once the wheels have to, and the thrusters take over."""
+    story = fly(SHORT, wheel_4_fails=2400)
+    first = story.diagnoses[0]
+    assert first[1] == WHEELS_LOST.name
+    assert first[3]
+    assert WHEELS_LOST.name in story.executive.conclusions
+    assert story.telemetry["acs.actuators"] == "thrusters"
+    assert story.goals == {"thrust": "achieved", "downlink": "achieved"}
     completed_in_one_plan(story)
 
 
