@@ -1,4 +1,6 @@
+import gc
 import importlib
+import sys
 
 import gymnasium
 import numpy as np
@@ -247,3 +249,17 @@ def test_wrong_use_says_what_was_expected(kind):
         env.step(env.action_space.sample())
     with pytest.raises(ConfigurationError, match="reset options"):
         env.reset(options={"angel": 1.0})
+
+
+def test_resets_leave_no_memory_behind():
+    env = make(OPERATIONS)
+
+    def blocks_after(resets):
+        for seed in range(resets):
+            env.reset(seed=seed)
+        gc.collect()
+        return sys.getallocatedblocks()
+
+    before = blocks_after(60)
+    grown = blocks_after(300) - before
+    assert grown < 2 * 300, "objects of each reset stay"
