@@ -22,7 +22,7 @@ from scenarios.campaign.flying import CRASHED, fly
 from scenarios.campaign.statistics import bootstrap, table, wilson, worst
 from scenarios.campaign.store import Settings, Store, rows_in
 from scenarios.campaign.variations import variation
-from scenarios.campaign.workers import SchedulerLostError
+from scenarios.campaign.workers import SchedulerLostError, client_of
 from scenarios.config import Scenario, parse
 from scenarios.errors import ScenarioError
 from sim import FAULTS
@@ -50,7 +50,7 @@ def without_clock(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 @contextmanager
 def scheduler() -> Iterator[LocalCluster]:
     with LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs=50
     ) as cluster:
         yield cluster
 
@@ -70,6 +70,11 @@ def test_a_variation_is_its_number(scenario: Scenario) -> None:
     assert variation(scenario, 1, "none", 3).faults == ()
     drawn = [len(variation(scenario, 1, "random", number).faults) for number in range(400)]
     assert 0.8 < sum(drawn) / len(drawn) < 1.2
+
+
+def test_two_campaigns_at_once() -> None:
+    with scheduler(), client_of(1, None) as client:
+        assert len(client.nthreads()) == 1
 
 
 def test_a_killed_worker_loses_nothing(scenario: Scenario, alone: list[dict[str, Any]], tmp_path: Path) -> None:
