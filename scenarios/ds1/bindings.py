@@ -49,7 +49,7 @@ ACTIVITIES = (
     Activity(
         "Attitude.point",
         parameters=("target",),
-        maintained=(Maintained("pointing", ON_TARGET, persistence=30),),
+        maintained=(Maintained("pointing", ON_TARGET, persistence=25),),
     ),
     Activity(
         "Engine.startUp",
