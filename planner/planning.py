@@ -15,7 +15,7 @@ from planner.model.manager import ModelManager
 from planner.plan import FlexiblePlan
 from planner.problem import DroppedGoal, Goal, PlanningResult, Problem, SearchStatistics
 from planner.repair import Complaint, refusal_of
-from planner.search.engines import ENGINES, Search
+from planner.search.engines import ENGINES, Engine
 from planner.search.hints import Hints
 from planner.search.outcome import Limits, Outcome, Refusal
 
@@ -51,7 +51,7 @@ def plan(
     """
     if engine not in ENGINES:
         raise ProblemError(f"engine: expected one of {', '.join(ENGINES)}, found {engine!r}{nearest(engine, ENGINES)}")
-    return _Planning(model, problem, limits or Limits(), accept, ENGINES[engine].search, hints).solve()
+    return _Planning(model, problem, limits or Limits(), accept, ENGINES[engine], hints).solve()
 
 
 class _Planning:
@@ -61,12 +61,12 @@ class _Planning:
         problem: Problem,
         limits: Limits,
         accept: Acceptance | None,
-        search: Search,
+        engine: Engine,
         hints: Hints | None,
     ) -> None:
         self.model = model
         self.hints = None if hints is None else hints.of_model(model)
-        self.search = search
+        self.engine = engine
         self.problem = problem
         self.limits = limits
         self.accept = accept
@@ -115,7 +115,7 @@ class _Planning:
         accepted: list[FlexiblePlan] = []
         try:
             self.set_up(database, goals)
-            outcome = self.search(database, self.limits, self._acceptance(accepted), describe, self.hints)
+            outcome = self.engine.search(database, self.limits, self._acceptance(accepted), describe, self.hints)
         except Inconsistency as inconsistency:
             outcome.exhausted = True
             outcome.conflict = 0, describe(database.network.explain(inconsistency))

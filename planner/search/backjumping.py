@@ -8,41 +8,17 @@ from __future__ import annotations
 
 from planner.constraints.network import Inconsistency
 from planner.database import PlanDatabase
-from planner.search.collector import patient_collector
 from planner.search.culprits import Culprits
 from planner.search.decisions import Decision
 from planner.search.depth_first import DepthFirst, Frame
-from planner.search.hints import Hints
-from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
-
-
-def search(
-    database: PlanDatabase,
-    limits: Limits,
-    accept: Acceptance | None = None,
-    describe: Description | None = None,
-    hints: Hints | None = None,
-) -> Outcome:
-    """Complete the partial plan in the database, which is at a propagated fixpoint.
-
-    On success the database holds the plan; otherwise it is as before.
-    """
-    with patient_collector():
-        return Backjumping(database, limits, accept, describe, hints).run()
+from planner.search.outcome import Refusal, Request
 
 
 class Backjumping(DepthFirst):
     """The engine: how it goes back."""
 
-    def __init__(
-        self,
-        database: PlanDatabase,
-        limits: Limits,
-        accept: Acceptance | None,
-        describe: Description | None,
-        hints: Hints | None = None,
-    ) -> None:
-        super().__init__(database, limits, accept, describe, hints)
+    def __init__(self, database: PlanDatabase, request: Request) -> None:
+        super().__init__(database, request)
         self.places: dict[int, int] = {}
         self.chosen: list[Decision] = []
         self.culprits = Culprits(database, self.places)

@@ -3,26 +3,7 @@
 from __future__ import annotations
 
 from planner.constraints.network import Inconsistency
-from planner.database import PlanDatabase
-from planner.search.collector import patient_collector
 from planner.search.depth_first import DepthFirst
-from planner.search.hints import Hints
-from planner.search.outcome import Acceptance, Description, Limits, Outcome
-
-
-def search(
-    database: PlanDatabase,
-    limits: Limits,
-    accept: Acceptance | None = None,
-    describe: Description | None = None,
-    hints: Hints | None = None,
-) -> Outcome:
-    """Complete the partial plan in the database, which is at a propagated fixpoint.
-
-    On success the database holds the plan; otherwise it is as before.
-    """
-    with patient_collector():
-        return Chronological(database, limits, accept, describe, hints).run()
 
 
 class Chronological(DepthFirst):

@@ -14,8 +14,7 @@ from planner.database import PlanDatabase
 from planner.search.collector import Collector
 from planner.search.decisions import Decision
 from planner.search.flaws import Flaw, Ranking, nearest_first, next_flaw
-from planner.search.hints import Hints
-from planner.search.outcome import Acceptance, Description, Limits, Outcome, Refusal
+from planner.search.outcome import Outcome, Refusal, Request
 
 
 @dataclass(slots=True)
@@ -33,25 +32,17 @@ class Frame:
 
 class DepthFirst(ABC):
     """A depth-first search; its engine says how to go back. `order`: which token comes next, nearest to the problem
-    first unless something else is set before `run`; `hints`: what comes before that;
-    `max_backtracks`: a further limit."""
+    first unless something else is set before `run`; `max_backtracks`: a further limit."""
 
-    def __init__(
-        self,
-        database: PlanDatabase,
-        limits: Limits,
-        accept: Acceptance | None,
-        describe: Description | None,
-        hints: Hints | None = None,
-    ) -> None:
+    def __init__(self, database: PlanDatabase, request: Request) -> None:
         self.database = database
-        self.hints = hints
+        self.hints = request.hints
         self.order: Ranking = nearest_first
         self.max_backtracks: float = math.inf
-        self.max_steps = limits.max_steps
-        self.deadline = perf_counter() + limits.max_seconds
-        self.accept = accept
-        self.describe = describe
+        self.max_steps = request.limits.max_steps
+        self.deadline = perf_counter() + request.limits.max_seconds
+        self.accept = request.accept
+        self.describe = request.describe
         self.outcome = Outcome()
         self.collector = Collector(database.trail)
         self.stack: list[Frame] = []

@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
 from planner.database import PlanDatabase
-from planner.search import backjumping, chronological, portfolio
+from planner.search.backjumping import Backjumping
+from planner.search.chronological import Chronological
+from planner.search.collector import patient_collector
 from planner.search.hints import Hints
-from planner.search.outcome import Acceptance, Description, Limits, Outcome
+from planner.search.outcome import Acceptance, Description, Limits, Outcome, Request
+from planner.search.portfolio import Portfolio
 
 
-class Search(Protocol):
-    """Completes the partial plan of a database within limits; `hints` say in which order to try."""
+class Run(Protocol):
+    """One search, ready to begin."""
 
-    def __call__(
+    def run(self) -> Outcome:
+        """Search, once."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """A search engine: a name, what it does in a line, and what a search of it is made by."""
+
+    name: str
+    summary: str
+    kind: Callable[[PlanDatabase, Request], Run]
+
+    def search(
         self,
         database: PlanDatabase,
         limits: Limits,
@@ -24,32 +40,23 @@ class Search(Protocol):
         describe: Description | None = None,
         hints: Hints | None = None,
     ) -> Outcome:
-        """Search; on success the database holds the plan, otherwise it is as before."""
-        ...
+        """Complete the partial plan in the database, which is at a propagated fixpoint.
 
-
-@dataclass(frozen=True, slots=True)
-class Engine:
-    """A search engine: a name, what it does in a line, and the search itself."""
-
-    name: str
-    summary: str
-    search: Search
+        On success the database holds the plan; otherwise it is as before.
+        """
+        with patient_collector():
+            return self.kind(database, Request(limits, accept, describe, hints)).run()
 
 
 ENGINES: Mapping[str, Engine] = MappingProxyType(
     {
         engine.name: engine
         for engine in (
-            Engine("chronological", "depth first, the newest decision undone first", chronological.search),
+            Engine("chronological", "depth first, the newest decision undone first", Chronological),
             Engine(
-                "backjumping",
-                "depth first, back to the newest decision that had a part in a dead end",
-                backjumping.search,
+                "backjumping", "depth first, back to the newest decision that had a part in a dead end", Backjumping
             ),
-            Engine(
-                "portfolio", "both of these in two orders of flaws, in turn, for longer and longer", portfolio.search
-            ),
+            Engine("portfolio", "both of these in two orders of flaws, in turn, for longer and longer", Portfolio),
         )
     }
 )

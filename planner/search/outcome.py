@@ -8,6 +8,7 @@ from typing import Any
 
 from planner.constraints.network import Owner
 from planner.database import PlanDatabase
+from planner.search.hints import Hints
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,17 @@ class Limits:
 
     max_steps: int = 1_000_000
     max_seconds: float = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a search is asked for. `accept`: None takes every complete plan; `describe`: None tells no conflicts;
+    `hints`: in which order to try."""
+
+    limits: Limits
+    accept: Acceptance | None = None
+    describe: Description | None = None
+    hints: Hints | None = None
 
 
 @dataclass(slots=True)

@@ -8,16 +8,15 @@ straight on is not interrupted, and grow, so that whatever any of the searches f
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 
 from planner.database import PlanDatabase
 from planner.search.backjumping import Backjumping
 from planner.search.chronological import Chronological
-from planner.search.collector import patient_collector
 from planner.search.depth_first import DepthFirst
 from planner.search.flaws import Ranking, nearest_first, soonest_first
-from planner.search.hints import Hints
-from planner.search.outcome import Acceptance, Description, Limits, Outcome
+from planner.search.outcome import Limits, Outcome, Request
 
 MEMBERS: tuple[tuple[type[DepthFirst], Ranking], ...] = (
     (Chronological, nearest_first),
@@ -31,31 +30,29 @@ GROWTH = 3
 """By how much longer a slice is in the next round."""
 
 
-def search(
-    database: PlanDatabase,
-    limits: Limits,
-    accept: Acceptance | None = None,
-    describe: Description | None = None,
-    hints: Hints | None = None,
-) -> Outcome:
-    """Complete the partial plan in the database, which is at a propagated fixpoint.
+class Portfolio:
+    """The engine: whose turn it is, and for how long."""
 
-    On success the database holds the plan; otherwise it is as before.
-    """
-    deadline = perf_counter() + limits.max_seconds
-    total = Outcome()
-    slice_ = FIRST_SLICE
-    with patient_collector():
+    def __init__(self, database: PlanDatabase, request: Request) -> None:
+        self.database = database
+        self.request = request
+        self.deadline = perf_counter() + request.limits.max_seconds
+        self.outcome = Outcome()
+
+    def run(self) -> Outcome:
+        """Search until one member is done or the limits are reached. Without a plan the database is as before."""
+        total, max_steps = self.outcome, self.request.limits.max_steps
+        slice_ = FIRST_SLICE
         while True:
             for kind, order in MEMBERS:
-                left = Limits(limits.max_steps - total.steps, deadline - perf_counter())
-                member = kind(database, left, accept, describe, hints)
+                left = Limits(max_steps - total.steps, self.deadline - perf_counter())
+                member = kind(self.database, replace(self.request, limits=left))
                 member.order, member.max_backtracks = order, slice_
-                _look_again(database)
+                _look_again(self.database)
                 _add(total, member.run())
                 if total.complete or total.exhausted:
                     return total
-                if total.steps >= limits.max_steps or perf_counter() > deadline:
+                if total.steps >= max_steps or perf_counter() > self.deadline:
                     return total
             slice_ *= GROWTH
 

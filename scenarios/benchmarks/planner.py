@@ -19,8 +19,8 @@ from planner.constraints.standard import STANDARD
 from planner.database import PlanDatabase
 from planner.extraction import extract
 from planner.language.nddl.builder import load_text
-from planner.search.chronological import search
 from planner.search.collector import patient_collector
+from planner.search.engines import ENGINES
 from planner.search.outcome import Limits, Outcome
 from scenarios.benchmarks.families import text
 
@@ -65,7 +65,7 @@ def timed(family: str, size: int) -> Timed:
         except Inconsistency:
             raise ValueError(f"{family} {size}: expected a problem whose statements hold together") from None
         ready = process_time()
-        outcome = search(database, LIMITS)
+        outcome = ENGINES["chronological"].search(database, LIMITS)
         done = process_time()
         if outcome.complete:
             extract(database)
@@ -110,7 +110,7 @@ def memory(family: str = "altern", sizes: tuple[int, ...] = (1000, 3000)) -> Ite
         database = loaded(family, size)
         tracemalloc.start()
         before = held_bytes()
-        search(database, LIMITS)
+        ENGINES["chronological"].search(database, LIMITS)
         tokens = len(database.tokens.tokens)
         yield {
             "problem": f"{family} {size}",
@@ -127,7 +127,7 @@ def cycles(family: str = "altern", size: int = 10, count: int = CYCLES) -> dict[
     held = []
     for number in range(count):
         depth = database.trail.push()
-        search(database, LIMITS)
+        ENGINES["chronological"].search(database, LIMITS)
         database.trail.pop_to(depth)
         if number + 1 in (count // 10, count):
             held.append(held_bytes())

@@ -14,7 +14,7 @@ from planner.errors import ModelError
 from planner.extraction import extract
 from planner.language.nddl.builder import load_text
 from planner.language.nddl.errors import NddlError
-from planner.search.chronological import search
+from planner.search.engines import ENGINES
 from planner.search.outcome import Limits
 
 TRAVEL = '''
@@ -66,7 +66,7 @@ def test_planner_and_checker_use_them(tmp_path: Path) -> None:
     model, program, report = load_text(MODEL, registry)
     database = PlanDatabase(model, (0, 100))
     program.carry_out(database, report)
-    assert search(database, Limits(100, 10)).complete
+    assert ENGINES["chronological"].search(database, Limits(100, 10)).complete
     plan = extract(database)
     assert plan.tokens[0].duration[0] == 4
     assert not check(plan, model)

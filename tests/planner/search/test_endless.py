@@ -10,8 +10,8 @@ from planner.database import PlanDatabase
 from planner.domains import Interval
 from planner.extraction import extract
 from planner.language.nddl.builder import load_text
-from planner.search.chronological import search
 from planner.search.endless import assign_endless
+from planner.search.engines import ENGINES
 from planner.search.flaws import next_flaw
 from planner.search.outcome import Limits
 
@@ -24,7 +24,7 @@ def planned(text: str) -> PlanDatabase:
     model, program, report = load_text(text, STANDARD)
     database = PlanDatabase(model, (0, 100))
     program.carry_out(database, report)
-    assert search(database, Limits(500, 10.0), assign_endless).complete
+    assert ENGINES["chronological"].search(database, Limits(500, 10.0), assign_endless).complete
     assert next_flaw(database) is None
     return database
 

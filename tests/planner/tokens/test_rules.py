@@ -13,8 +13,8 @@ from planner.language.builder import ModelBuilder, RuleBuilder
 from planner.model.manager import ModelManager
 from planner.model.rules import Constant, Guard, Ref, Relate, Require, Rule, Statement, Subgoal
 from planner.problem import TokenPattern
-from planner.search.chronological import search
 from planner.search.decisions import Codesignate, Insert
+from planner.search.engines import ENGINES
 from planner.search.outcome import Limits
 from planner.tokens.token import Token, TokenState
 
@@ -155,7 +155,7 @@ def test_a_guard_on_times_is_decided_by_the_search(test: str, blocked: str) -> N
     database.state(TokenPattern(f"{blocked.upper()}.{blocked}", start=(0, 0), end=(60, 60)), "fact", "fact")
     database.state(TokenPattern(f"{blocked.upper()}.{blocked}", start=(60, 60), end=(61, 61)), "later", "fact")
     database.network.propagate()
-    assert search(database, Limits()).complete
+    assert ENGINES["chronological"].search(database, Limits()).complete
     asked = {t.predicate.name for t in database.tokens.tokens if t.role == "subgoal"}
     low, high = database.temporal.distance(token.start.timepoint, token.end.timepoint)
     assert {holds(d) for d in range(low, high + 1)} == {asked == {"b"}}
@@ -167,7 +167,7 @@ def test_a_guard_between_times_of_two_tokens_is_decided_by_the_search() -> None:
     database = PlanDatabase(guarded(NEED_B, NEED_C, order), (0, 50))
     token = database.state(TokenPattern("A.a", parameters={"level": (2, 3)}, end=(10, 20)), "goal", "goal")
     database.network.propagate()
-    assert search(database, Limits()).complete
+    assert ENGINES["chronological"].search(database, Limits()).complete
     held, following = (t for t in database.tokens.tokens if t.master is token)
     assert database.temporal.distance(following.end.timepoint, held.end.timepoint)[0] >= 1
 
@@ -195,7 +195,7 @@ def test_the_first_alternative_is_tried_first(first: str, second: str) -> None:
     database = PlanDatabase(model, (0, 9))
     database.state(TokenPattern("A.need"), "goal", "goal")
     database.network.propagate()
-    assert search(database, Limits()).complete
+    assert ENGINES["chronological"].search(database, Limits()).complete
     assert {t.predicate.full_name for t in database.tokens.tokens} == {"A.need", f"{first}.hold"}
 
 
@@ -205,7 +205,7 @@ def test_the_other_alternative_is_taken_when_the_first_cannot_be() -> None:
     database.state(TokenPattern("A.need", start=(4, 4)), "goal", "goal")
     database.state(TokenPattern("B.hold", start=(5, 5), end=(8, 9)), "in the way", "fact")
     database.network.propagate()
-    assert search(database, Limits()).complete
+    assert ENGINES["chronological"].search(database, Limits()).complete
     states = {t.predicate.full_name: t.state for t in database.tokens.tokens}
     assert states == {"A.need": TokenState.ACTIVE, "B.hold": TokenState.ACTIVE, "C.hold": TokenState.ACTIVE}
 
@@ -217,7 +217,7 @@ def test_no_alternative_can_be() -> None:
     for line in "BC":
         database.state(TokenPattern(f"{line}.hold", start=(5, 5), end=(8, 9)), f"{line} in the way", "fact")
     database.network.propagate()
-    outcome = search(database, Limits())
+    outcome = ENGINES["chronological"].search(database, Limits())
     assert (outcome.complete, outcome.exhausted) == (False, True)
 
 
@@ -309,7 +309,7 @@ def test_rejection_is_for_rejectable_tokens_and_the_last_resort() -> None:
     database.state(TokenPattern("A.a", start=(0, 0), duration=(6, 6)), "first", "rejectable")
     database.state(TokenPattern("A.a", start=(1, 1), duration=(6, 6)), "second", "rejectable")
     database.network.propagate()
-    assert search(database, Limits()).complete
+    assert ENGINES["chronological"].search(database, Limits()).complete
     assert sorted(t.state for t in database.tokens.tokens) == [TokenState.ACTIVE, TokenState.REJECTED]
 
 

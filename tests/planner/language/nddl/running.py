@@ -14,7 +14,7 @@ from planner.extraction import extract
 from planner.language.nddl.builder import load_text
 from planner.language.nddl.errors import NddlError
 from planner.plan import FlexiblePlan
-from planner.search.chronological import search
+from planner.search.engines import ENGINES
 from planner.search.outcome import Limits
 
 EXAMPLES = Path(__file__).parents[4] / "scenarios" / "examples"
@@ -36,7 +36,7 @@ class Run:
             self.conflict = [str(owner) for owner in self.database.network.explain(inconsistency)]
             self.exhausted = True
             return
-        outcome = search(self.database, Limits(max_steps, max_seconds))
+        outcome = ENGINES["chronological"].search(self.database, Limits(max_steps, max_seconds))
         self.exhausted = outcome.exhausted
         if outcome.complete:
             self.plan = extract(self.database)
