@@ -185,7 +185,10 @@ class Retraction:
 
     def _drop_changes(self, variable: AnyVariable, because: object, after: int = -1, until: float = math.inf) -> None:
         """What one cause did to a variable after a change and before another."""
-        if not isinstance(variable, Variable):
+        if isinstance(variable, Variable):
+            if variable.latest <= after:
+                return
+        else:
             for edge in variable.narrowings:
                 changes = self.network.posted_at(edge).changes
                 if after < changes <= until and self.network.stakeholder_named(edge) is because:
