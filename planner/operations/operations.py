@@ -15,6 +15,7 @@ from planner.errors import nearest
 from planner.model.classes import ModelObject
 from planner.operations.order import Precedences
 from planner.operations.register import Register
+from planner.operations.removal import Removal
 from planner.operations.restricting import restrict, variable_of
 from planner.operations.retraction import Retraction, Unsuited
 from planner.operations.statements import Codesignation, Insertion, Operation, Restriction, Statement
@@ -172,14 +173,15 @@ class Operations:
         before = [(o, o.depth) for o in retraction.suspended.values() if o.depth is not None]
         depth = database.trail.push()
         self._levels.append(_Level(None, self._count, min(level for _, level in before)))
+        removal = Removal(retraction)
         try:
-            retraction.carry_out()
+            removal.carry_out()
             database.network.propagate()
             done = True
         except Inconsistency:
             done = False
         if done:
-            retraction.unsettle()
+            removal.unsettle()
             self._retry()
             if not self._order_matters():
                 return True

@@ -1,6 +1,6 @@
-"""Taking one operation out of a plan in place, by dependency.
+"""What goes with one operation that is taken out of a plan in place, by dependency.
 
-What goes: what the operation posted; the rules of a token that is no longer active, and what they made, tokens with the
+That is: what the operation posted; the rules of a token that is no longer active, and what they made, tokens with the
 operations on them included; the domains from the first change on that something gone made, and whatever was derived
 from such a domain after that; the branch of a guard that only such a domain decided. Rather too much goes than too
 little: the domains before those changes rest on nothing that goes, so propagation from there reaches the fixpoint of
@@ -26,12 +26,11 @@ from planner.database import PlanDatabase
 from planner.domains import Domain
 from planner.operations.order import Precedences
 from planner.operations.register import Register
-from planner.operations.restricting import restrict, variable_of
-from planner.operations.statements import Codesignation, Insertion, Operation, Restriction
-from planner.tokens import withdrawal
+from planner.operations.restricting import variable_of
+from planner.operations.statements import Codesignation, Operation, Restriction
 from planner.tokens.instance import Extent, ForEachInstance, GuardInstance, RuleInstance
 from planner.tokens.resources import Clash, PendingUse, Pruning
-from planner.tokens.token import Token, TokenState
+from planner.tokens.token import Token
 
 
 class Unsuited(Exception):  # noqa: N818 - a signal between two ways to the same result
@@ -55,7 +54,7 @@ class _Cut:
 
 
 class Retraction:
-    """What goes with one operation. `run` finds it out without changing anything, `carry_out` takes it out.
+    """What goes with one operation: `run` finds it out without changing anything.
 
     `suspended`: the operations that go dormant, the one itself included.
     """
@@ -322,82 +321,3 @@ class Retraction:
                         gone.append(change)
                 for change in reversed(gone):
                     self._cut(variable, change.at, change.before)
-
-    # Taking it out
-
-    def carry_out(self) -> None:
-        """Take it all out, and queue what must be derived anew. The caller propagates."""
-        tokens, network, trail = self.database.tokens, self.network, self.database.trail
-        for instance in self.instances:
-            trail.assign(instance, "withdrawn", True)
-        for propagator in self.propagators.values():
-            network_retraction.detach(network, propagator)
-            if isinstance(propagator, GuardInstance):
-                withdrawal.forget_guard(tokens, propagator)
-        for variable in self.variables.values():
-            withdrawal.forget_variable(tokens, variable)
-        for use in self.uses.values():
-            use.withdraw()
-        gaps = self._leave()
-        network.temporal.remove(sorted(self.edges))
-        for key in self.dead & self.cuts.keys():
-            del self.cuts[key]
-        for cut in self.cuts.values():
-            if cut.last == math.inf:
-                network_retraction.reset(network, cut.variable, cut.first)
-            elif isinstance(cut.variable, Variable):
-                network_retraction.splice(network, cut.variable, cut.first, int(cut.last))
-        for guard in self.undone.values():
-            if id(guard) not in self.propagators:
-                trail.assign(guard, "fired", False)
-                trail.assign(guard, "bodies", [])
-                network_retraction.enqueue(network, [guard])
-        network_retraction.enqueue(network, (use for key, use in self.uses.items() if key not in self.propagators))
-        network_retraction.enqueue(network, withdrawal.prune_anew(tokens))
-        for first in gaps:
-            self._close_gap(first)
-        for operation in self.suspended.values():
-            self.register.suspend(operation)
-        self._restrict_anew()
-
-    def unsettle(self) -> None:
-        """After propagation: what was decided before and is not any more."""
-        for cut in self.cuts.values():
-            if isinstance(cut.variable, Variable):
-                withdrawal.unsettle(self.database.tokens, cut.variable)
-        withdrawal.reopen(self.database.tokens)
-
-    def _leave(self) -> list[Token]:
-        """Take the tokens out; those on timelines that get another successor."""
-        gaps = []
-        freed = [token for key, token in self.released.items() if key not in self.destroyed]
-        for token in [*self.destroyed.values(), *freed]:
-            if token.state is TokenState.ACTIVE and token.kind == "timeline":
-                sequence = self.database.tokens.timeline_of(token).sequence
-                place = sequence.index(token)
-                if place > 0:
-                    gaps.append(sequence[place - 1])
-                self.precedences.forget(token)
-            if id(token) in self.destroyed:
-                withdrawal.destroy(self.database.tokens, token)
-            else:
-                withdrawal.release(self.database.tokens, token)
-        return gaps
-
-    def _close_gap(self, first: Token) -> None:
-        if id(first) in self.released or id(first) in self.destroyed:
-            return
-        sequence = self.database.tokens.timeline_of(first).sequence
-        place = sequence.index(first) + 1
-        if place < len(sequence):
-            self.precedences.link(first, sequence[place])
-
-    def _restrict_anew(self) -> None:
-        """Operations whose restrictions said nothing new before, or went with an earlier change, speak again."""
-        for cut in self.cuts.values():
-            if cut.last < math.inf:
-                continue
-            of = cut.variable.of
-            for operation in self.register.about(of.path if isinstance(of, Token) else cut.variable.name):
-                if isinstance(operation.statement, Restriction | Insertion):
-                    restrict(self.database, operation)

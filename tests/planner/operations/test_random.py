@@ -12,6 +12,7 @@ from planner.constraints.retraction import Changing, history
 from planner.domains import Domain
 from planner.operations import Operation, Operations
 from planner.operations.order import Lineup, Precedences
+from planner.operations.removal import Removal
 from planner.operations.retraction import Retraction
 from planner.tokens import withdrawal
 from planner.tokens.manager import TokenNetworkManager
@@ -65,10 +66,10 @@ def _stands(retraction: Retraction, variable: Changing, after: float, before: Do
     [
         (Retraction, "_drop_effects", _nothing, "altern"),
         (Retraction, "_review_guards", _nothing, "switches"),
-        (Retraction, "_close_gap", _nothing, "camera"),
-        (Retraction, "_restrict_anew", _nothing, "switches"),
+        (Removal, "_close_gap", _nothing, "camera"),
+        (Removal, "_restrict_anew", _nothing, "switches"),
         (Retraction, "_stands_by_itself", _stands, "switches"),
-        (Retraction, "unsettle", _nothing, "altern"),
+        (Removal, "unsettle", _nothing, "altern"),
         (Precedences, "of", _no_edges, "camera"),
         (Lineup, "enter", _at_the_end, "camera"),
         (Operations, "_retry", _nothing, "altern"),

@@ -10,6 +10,7 @@ from planner.domains import Interval
 from planner.language.builder import ModelBuilder
 from planner.operations import Operation
 from planner.operations.operations import Operations
+from planner.operations.removal import Removal
 from planner.operations.retraction import Retraction, Unsuited
 from planner.problem import TokenPattern
 from tests.planner.operations.driver import Driver
@@ -39,9 +40,10 @@ def removed_and_undone(operations: Operations, place: int) -> bool:
         return False
     levels = {o: o.depth for o in retraction.suspended.values()}
     depth = database.trail.push()
-    retraction.carry_out()
+    removal = Removal(retraction)
+    removal.carry_out()
     database.network.propagate()
-    retraction.unsettle()
+    removal.unsettle()
     changed = snapshot(database) != before  # not so when the operation restricted nothing
     database.trail.pop_to(depth)
     for suspended, level in levels.items():
