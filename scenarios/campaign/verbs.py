@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from scenarios.interrupt import interruptible
 from scenarios.progress import progress_bar
 from scenarios.status import DONE, FELL_SHORT, INTERRUPTED
 
@@ -37,10 +38,11 @@ def fly_campaign(
     from scenarios.campaign.campaign import campaign
     from scenarios.campaign.workers import SchedulerLostError
     from scenarios.config import load
+    from scenarios.run import Listener
 
     loaded = load(scenario)
     folder = out or Path("campaigns", loaded.name)
-    with progress_bar(loaded.name, runs, as_json) as (progress, warn):
+    with progress_bar(loaded.name, runs, as_json) as (progress, warn), interruptible() as check:
         try:
             found = campaign(
                 loaded,
@@ -52,7 +54,7 @@ def fly_campaign(
                 scheduler=scheduler,
                 resume=resume,
                 recorded=recorded,
-                progress=progress,
+                listener=Listener(progress, warn, check),
             )
         except SchedulerLostError as error:
             warn(f"{folder}: {error}")

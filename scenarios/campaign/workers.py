@@ -14,6 +14,7 @@ from scenarios.campaign.flying import Row, crashed, fly
 from scenarios.campaign.variations import Variation
 from scenarios.config import Scenario
 from scenarios.errors import ScenarioError
+from scenarios.interrupt import children_deaf_to_it
 
 CONNECT_S = 20
 LOOK_S = 2.0
@@ -40,22 +41,32 @@ def client_of(workers: int, scheduler: str | None) -> Iterator[Client]:
             with client:
                 yield client
             return
-        with (
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                memory_limit=0,
-                silence_logs=logging.CRITICAL,
-            ) as cluster,
-            Client(cluster) as client,
-        ):
+        with _local_cluster(workers) as cluster, Client(cluster) as client:
             yield client
 
 
-def fly_all(client: Client, scenario: Scenario, variations: Sequence[Variation], done: Callable[[Row], None]) -> None:
+def _local_cluster(workers: int) -> LocalCluster:
+    with children_deaf_to_it():
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
+
+
+def fly_all(
+    client: Client,
+    scenario: Scenario,
+    variations: Sequence[Variation],
+    done: Callable[[Row], None],
+    check: Callable[[], None],
+) -> None:
     """Fly all of them, in whatever order; `done` gets each row as it comes. SchedulerLostError when that is gone.
+
+    `check` is called every few seconds at least, and may end it by raising.
 
     A run whose worker died is flown again by another; the one that takes three of them along is a row that says so.
     """
@@ -65,15 +76,16 @@ def fly_all(client: Client, scenario: Scenario, variations: Sequence[Variation],
         while waiting and len(flying) < AHEAD * max(1, len(client.nthreads())):
             own = waiting.pop()
             flying[client.submit(fly, scenario, own, pure=False)] = own
-        for future in _settled(client, list(flying)):
+        for future in _settled(client, list(flying), check):
             own = flying.pop(future)
             error = None if future.status == "finished" else future.exception()
             done(future.result() if error is None else crashed(own, f"{type(error).__name__}: {error}"))
 
 
-def _settled(client: Client, futures: Sequence[Future[Row]]) -> list[Future[Row]]:
+def _settled(client: Client, futures: Sequence[Future[Row]], check: Callable[[], None]) -> list[Future[Row]]:
     """Those that ended; waits for one. SchedulerLostError as soon as nothing can end any more."""
     while True:
+        check()
         try:
             ended: set[Future[Row]] = wait(futures, timeout=LOOK_S, return_when="FIRST_COMPLETED").done
         except TimeoutError:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import signal
+import subprocess
+import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pyarrow.parquet as pq
 import pytest
 from distributed import Client, LocalCluster
@@ -25,6 +30,7 @@ from scenarios.campaign.variations import variation
 from scenarios.campaign.workers import SchedulerLostError, client_of
 from scenarios.config import Scenario, parse
 from scenarios.errors import ScenarioError
+from scenarios.run import Listener
 from sim import FAULTS
 from tests.scenarios.commands import SMALL, remote_agent
 
@@ -85,7 +91,7 @@ def test_a_killed_worker_loses_nothing(scenario: Scenario, alone: list[dict[str,
             if done == 1 and pids:
                 os.kill(pids.pop(), signal.SIGKILL)
 
-        found = fly_in(tmp_path / "c", scenario, scheduler=cluster.scheduler_address, progress=kill)
+        found = fly_in(tmp_path / "c", scenario, scheduler=cluster.scheduler_address, listener=Listener(kill))
         assert len(pids) == 1
     rows = rows_in(tmp_path / "c")
     assert without_clock(rows) == without_clock(alone)
@@ -103,7 +109,7 @@ def test_a_lost_scheduler_and_resume(scenario: Scenario, alone: list[dict[str, A
                 closing.start()
 
         with pytest.raises(SchedulerLostError, match="--resume"):
-            fly_in(folder, scenario, scheduler=cluster.scheduler_address, progress=lose)
+            fly_in(folder, scenario, scheduler=cluster.scheduler_address, listener=Listener(lose))
         closing.join()
     kept = (folder / "rows.jsonl").read_text(encoding="utf-8")
     assert 1 <= kept.count("\n") < RUNS
@@ -115,6 +121,60 @@ def test_a_lost_scheduler_and_resume(scenario: Scenario, alone: list[dict[str, A
     assert without_clock(rows_in(folder)) == without_clock(alone)
     assert resumed["table"] == table(alone)
     assert (folder / "rows.jsonl").read_text(encoding="utf-8").startswith(kept)
+
+
+def test_ctrl_c_keeps_the_rows_and_says_one_line(alone: list[dict[str, Any]], tmp_path: Path) -> None:
+    """As a terminal gives it, to all processes of the command at once."""
+    (tmp_path / "small.toml").write_text(SMALL, encoding="utf-8")
+    folder = tmp_path / "c"
+    asked = (
+        "campaign",
+        "small.toml",
+        "--runs",
+        RUNS,
+        "--faults",
+        "all",
+        "--seed",
+        SEED,
+        "--workers",
+        1,
+        "--recorded",
+        0,
+    )
+    command = [sys.executable, "-m", "scenarios", *map(str, asked), "--out", str(folder)]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    process = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    deadline = time.monotonic() + 90
+    while time.monotonic() < deadline and process.poll() is None:
+        if (folder / "rows.jsonl").is_file() and (folder / "rows.jsonl").read_bytes().count(b"\n"):
+            break
+        time.sleep(0.02)
+    workers = psutil.Process(process.pid).children(recursive=True)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert told == f"remote-agent: interrupted; what was flown is kept in {folder}: go on with --resume\n"
+    while alive := [one for one in workers if one.is_running() and one.status() != psutil.STATUS_ZOMBIE]:
+        assert time.monotonic() < deadline, alive
+        time.sleep(0.02)
+    kept = [json.loads(line) for line in (folder / "rows.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert 1 <= len(kept) < RUNS
+    assert without_clock(kept) == without_clock([alone[row["run"]] for row in kept])
+
+
+def test_a_recording_that_was_broken_off_is_made_anew(scenario: Scenario, tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    store = Store(folder, Settings.of(scenario, 1, "none", SEED), resume=False)
+    store.add(flying.crashed(variation(scenario, SEED, "none", 0), "for the test"))
+    store.close()
+    broken = folder / "worst" / "run-000000"
+    broken.mkdir(parents=True)
+    (broken / "journal.jsonl").write_text("{}", encoding="utf-8")
+    [worst_run] = campaign(scenario, 1, "none", SEED, folder, resume=True, recorded=1)["worst"]
+    assert "recording_error" not in worst_run
+    assert (broken / "summary.json").is_file()
 
 
 def test_what_cannot_be_resumed_or_begun(scenario: Scenario, tmp_path: Path) -> None:
