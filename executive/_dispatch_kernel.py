@@ -27,7 +27,10 @@ EARLIEST, LATEST, WISHED = range(3)
 
 
 def _compiled(function: Function) -> Function:
-    """`numba.njit` that keeps the function's type; the function itself without numba."""
+    """`numba.njit` that keeps the function's type; the function itself without numba.
+
+    Its cache watches this file alone, and nothing is from another.
+    """
     try:
         from numba import njit
     except ImportError:

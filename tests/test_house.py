@@ -71,6 +71,18 @@ def test_files_are_of_a_readable_size() -> None:
     assert set(LONG_FILES) - too_long == set(), "these need no exception any more"
 
 
+def test_what_numbas_own_cache_keeps_needs_no_other_file() -> None:
+    """It watches the file of the function alone; functions that need others go through `sim.kernel_cache`."""
+    compiled = [path for path in OWN_FILES if "cache=True)" in path.read_text(encoding="utf-8")]
+    sources = {path.with_name("kernel_python.py") if path.stem == "kernel" else path for path in compiled}
+    assert len(sources) == 3
+    for path in sources:
+        imported = [
+            node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)
+        ]
+        assert [node.module for node in imported if (node.module or "").startswith(PACKAGES)] == [], named(path)
+
+
 def test_every_folder_of_python_is_a_package() -> None:
     folders = {path.parent for path in PYTHON_FILES}
     assert [named(folder) for folder in sorted(folders) if not (folder / "__init__.py").is_file()] == []

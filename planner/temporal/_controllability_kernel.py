@@ -35,7 +35,7 @@ _UNBOUNDED = 1 << 62
 
 
 def _compiled(function: Function) -> Function:
-    """`numba.njit` that keeps the function's type."""
+    """`numba.njit` that keeps the function's type. Its cache watches this file alone, and nothing is from another."""
     return cast(Function, njit(cache=True)(function))
 
 

@@ -1,7 +1,8 @@
-"""The temporal kernel compiled: `kernel_python` and `kernel_distances` through numba, or as they stand without it.
+"""The temporal kernel compiled: `kernel_python` through numba, or as it stands without it.
 
 One source, two executions. Compiled functions are cached on disk beside their source; the first run on a machine
-compiles for a few seconds, later ones load in a quarter of a second.
+compiles for a few seconds, later ones load in a quarter of a second. Numba's own cache will do: all that is compiled is
+in one file, which it watches.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from functools import cache
 from types import FunctionType
 from typing import Any
 
-from planner.temporal import kernel_distances, kernel_python
+from planner.temporal import kernel_python
 
 _INLINED = (
     "push",
@@ -66,7 +67,7 @@ def load_kernel(compiled: bool | None = None) -> Kernel:
     return _compile() if compiled else _PLAIN
 
 
-_SOURCES: dict[str, Any] = {**vars(kernel_python), **vars(kernel_distances)}
+_SOURCES: dict[str, Any] = vars(kernel_python)
 _PLAIN = Kernel(compiled=False, **{name: _SOURCES[name] for name in _ENTRIES})
 
 
