@@ -146,9 +146,9 @@ class Execution:
         progressed = self._activities.observe(telemetry, now)
         over = list(progressed.over)
         violations = list(progressed.violations)
-        narrowed: set[int] = set()
+        narrowed: dict[int, rte.Window] = {}
         for token in progressed.ended:
-            violations += self._happen(self._network.index[f"{token.id}.end"], now, narrowed)
+            violations += self._observe(self._network.index[f"{token.id}.end"], now, narrowed)
             over += self._activities.end(token.id, telemetry, now)
         self._tell_bounds(narrowed, now)
         return Happening(self._goals_of(over), tuple(violations))
@@ -158,30 +158,11 @@ class Execution:
 
         What lasts to the end of the horizon is not ended there: it goes on in the next plan, or is stopped.
         """
-        before = set(self._activities.running)
-        performed: list[int] = []
-        narrowed: set[int] = set()
         violations = self._make_up(now)
         if not self._is_due(now):
             return Happening(violations=tuple(violations))
-        while True:
-            clock = perf_counter()
-            decision = self._dispatcher.next_decision(now, self._wishes.times)
-            self._decided_by = self._wishes.times
-            self._statistics.latencies.append(perf_counter() - clock)
-            if decision is None or decision.time > now:
-                self._next = None if decision is None else decision.time
-                break
-            due = [
-                place for place in decision.timepoints if now < self.horizon_end or place not in self._wishes.lasting
-            ]
-            if not due:
-                self._next = decision.time
-                break
-            for timepoint in due:
-                violations += self._happen(timepoint, now, narrowed)
-                performed.append(timepoint)
-        self._tell_bounds(narrowed, now)
+        before = set(self._activities.running)
+        performed = self._perform(now, violations)
         over: list[PlanToken] = []
         asks = False
         for token_id, is_start in sorted(self._split(performed), key=lambda effect: self._order(effect, before)):
@@ -264,19 +245,35 @@ class Execution:
         if self._next is not None:
             yield self._next
 
-    def _happen(self, timepoint: int, now: int, narrowed: set[int]) -> list[Violation]:
-        """Tell the dispatcher and the journal. Timed: this and the decision are what the dispatcher costs."""
-        window = self._dispatcher.window(timepoint)
-        name = self._names[timepoint]
-        self._journal.write(now, "timepoint.executed", {"timepoint": name, "bounds": list(window)})
+    def _observe(self, timepoint: int, now: int, narrowed: dict[int, rte.Window]) -> list[Violation]:
+        """Tell dispatcher and journal what nature did. Timed: this and `_perform` are what the dispatcher costs."""
         self._decided_by = None
         clock = perf_counter()
-        violation = self._dispatcher.happened(timepoint, now)
+        happened = self._dispatcher.observe(timepoint, now)
         self._statistics.latencies.append(perf_counter() - clock)
-        self._statistics.timepoints += 1
         narrowed.update(self._dispatcher.narrowed)
-        narrowed.discard(timepoint)
-        if violation is None:
+        narrowed.pop(timepoint, None)
+        return self._tell(happened, now)
+
+    def _perform(self, now: int, violations: list[Violation]) -> list[int]:
+        """Perform what is due now and journal it; returns which timepoints that was, and adds what they violate."""
+        self._decided_by = self._wishes.times
+        spared = () if now < self.horizon_end else self._wishes.lasting
+        clock = perf_counter()
+        performed = self._dispatcher.perform_due(now, self._wishes.times, spared)
+        self._statistics.latencies.append(perf_counter() - clock)
+        self._next = performed.next
+        for happened in performed.happened:
+            violations += self._tell(happened, now)
+        self._tell_bounds(self._dispatcher.narrowed, now)
+        return [timepoint for timepoint, *_ in performed.rows]
+
+    def _tell(self, happened: rte.Happened, now: int) -> list[Violation]:
+        """Journal that a timepoint happened; in the executive's words, how it broke its window."""
+        window, name = happened.window, self._names[happened.timepoint]
+        self._journal.write(now, "timepoint.executed", {"timepoint": name, "bounds": window})
+        self._statistics.timepoints += 1
+        if (violation := happened.violation) is None:
             return []
         detail = f"{name} at {now} s, expected within [{window.earliest}, {window.latest}]"
         if violation.out_of_order:
@@ -284,14 +281,10 @@ class Execution:
         token_id = name.rpartition(".")[0] or None
         return [Violation("dispatch", detail, token_id)]
 
-    def _tell_bounds(self, narrowed: set[int], now: int) -> None:
+    def _tell_bounds(self, narrowed: Mapping[int, rte.Window], now: int) -> None:
         """Journal the windows of timepoints still to come that have changed."""
-        changes = {
-            self._names[timepoint]: list(self._dispatcher.window(timepoint))
-            for timepoint in sorted(narrowed)
-            if self._dispatcher.time(timepoint) is None
-        }
-        if changes:
+        if narrowed:
+            changes = {self._names[timepoint]: window for timepoint, window in narrowed.items()}
             self._journal.write(now, "bounds", {"changes": changes})
 
     def _split(self, timepoints: Iterable[int]) -> Iterable[tuple[str, bool]]:

@@ -92,7 +92,11 @@ class AdoptedPlan:
 
 @dataclass(eq=False)
 class DispatchStatistics:
-    """Timepoints executed, violations by kind, and how long each decision took on the wall clock (seconds)."""
+    """Timepoints executed, violations by kind, and wall seconds of each call of the dispatcher.
+
+    A call settles one instant: what nature did is propagated, or what is due is decided, performed and propagated.
+    What the journal is told of it is not in it.
+    """
 
     timepoints: int = 0
     violations: dict[str, int] = field(default_factory=dict)

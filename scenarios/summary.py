@@ -46,6 +46,7 @@ def summarize(
             "violations_by_kind": dict(dispatch.violations),
             "latency_us_p50": p50,
             "latency_us_p99": p99,
+            "wall_seconds": round(sum(dispatch.latencies), 6),
         },
         "flight_rules": {
             "checked": len(FLIGHT_RULES),

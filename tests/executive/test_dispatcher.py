@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from executive.dispatcher import Choice, Decision, Dispatcher, Violation, Window
+from executive.dispatcher import Choice, Decision, Dispatcher, Happened, Violation, Window
 from executive.simulate import NATURES, broken_links, durations, execute, network_for, simulate, simulate_file
 from planner.temporal.controllability import check
 from planner.temporal.stnu import Stnu
@@ -34,7 +34,7 @@ def test_a_wait_ends_with_nature_or_with_time() -> None:
         assert run.execute(0, 10) is None
         assert run.window(1) == Window(11, 15)
         assert run.window(2) == Window(14, None)
-        assert run.narrowed == (1, 2)
+        assert run.narrowed == {1: Window(11, 15), 2: Window(14, None)}
         assert run.next_decision(10) == Decision(14, (2,), None)
         if end is None:
             assert run.execute(2, 14) is None
@@ -56,7 +56,7 @@ def test_windows_narrow_as_neighbours_happen() -> None:
     assert run.window(2) == Window(5, 8)
     run.execute(1, 6)
     assert run.window(2) == Window(7, 8)
-    assert run.narrowed == (2,)
+    assert run.narrowed == {2: Window(7, 8)}
     assert run.window(1) == Window(6, 6)
     assert run.time(1) == 6
     assert run.time(2) is None
@@ -225,3 +225,50 @@ def test_incremental_windows_equal_windows_from_scratch(stnu: Stnu, seed: int) -
             before |= {int(network.contingents[number, 0]) for number, x, _ in network.waits.tolist() if x == other}
             if not run.is_natural(other):
                 assert (other in run.enabled()) == (before <= set(times))
+
+
+def one_by_one(
+    run: Dispatcher, now: int, wishes: dict[int, int], spared: set[int]
+) -> tuple[tuple[Happened, ...], int | None, dict[int, Window]]:
+    """`perform_due` as `next_decision` and `execute` have it: what was performed, the next decision, what narrowed."""
+    done: list[Happened] = []
+    narrowed: dict[int, Window] = {}
+    while True:
+        decision = run.next_decision(now, wishes)
+        if decision is None or decision.time > now:
+            break
+        due = [node for node in decision.timepoints if node not in spared]
+        if not due:
+            break
+        for node in due:
+            done.append(Happened(node, run.window(node), run.execute(node, now)))
+            narrowed |= run.narrowed
+    yet = {node: window for node, window in narrowed.items() if run.time(node) is None}
+    return tuple(done), None if decision is None else decision.time, yet
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(lanes_networks(40), st.randoms(use_true_random=False))
+def test_performing_an_instant_is_deciding_and_executing_one_by_one(stnu: Stnu, rng: random.Random) -> None:
+    """Some activities end in time and some late, some instants are missed, and some timepoints are spared."""
+    network = check(stnu).network
+    assume(network is not None)
+    assert network is not None
+    at_once, stepwise = Dispatcher(network), Dispatcher(network)
+    wishes = {node: 7 * node % 50 for node in range(len(stnu.timepoints))}
+    spared = {node for node in range(len(stnu.timepoints)) if rng.random() < 0.1}
+    ends: dict[int, int] = {}
+    for now in range(0, 120, rng.choice((1, 3))):
+        for node in [node for node, end in ends.items() if end <= now]:
+            del ends[node]
+            told = at_once.observe(node, now)
+            assert (told.window, told.violation) == (stepwise.window(node), stepwise.happened(node, now))
+            assert at_once.narrowed == stepwise.narrowed
+        performed = at_once.perform_due(now, wishes, spared)
+        assert (performed.happened, performed.next, at_once.narrowed) == one_by_one(stepwise, now, wishes, spared)
+        for activation, end, least, most, _ in network.contingents.tolist():
+            if at_once.time(activation) == now:
+                ends[end] = now + rng.randint(least, most + 2)
+    every = range(len(stnu.timepoints))
+    assert [at_once.window(node) for node in every] == [stepwise.window(node) for node in every]
+    assert at_once.enabled() == stepwise.enabled()

@@ -133,7 +133,7 @@ def test_summary_of_a_run_with_a_fault() -> None:
     assert executive.conclusions == {"camera dead"}
     assert executive.dispatch.violations == {"fault": 1}
     assert executive.dispatch.timepoints == len(run.told("timepoint.executed"))
-    assert len(executive.dispatch.latencies) > executive.dispatch.timepoints
+    assert all(latency > 0 for latency in executive.dispatch.latencies)
     assert executive.outcome == "degraded"
 
 
