@@ -107,7 +107,7 @@ def run_scenario(
         ),
     ] = None,
     images: Annotated[
-        bool, typer.Option("--images/--no-images", help="Render the cameras (needs offscreen OpenGL).")
+        bool, typer.Option("--images/--no-images", help="Record pictures; those from outside need offscreen OpenGL.")
     ] = True,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run in --out, which was broken off; all else as it was.")

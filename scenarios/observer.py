@@ -17,6 +17,7 @@ from scenarios.config import Scenario
 from scenarios.recording import Channel, RunRecorder
 from sim import RenderingUnavailable, Spacecraft
 from sim.navigation import Frame
+from sim.optics import as_grey
 
 SAMPLE_PERIOD_S = 10
 CHASE_PERIOD_S = 1800
@@ -123,14 +124,8 @@ class Observer:
 
 
 def shown(frame: Frame) -> NDArray[np.uint8]:
-    """A frame as a picture (n, n, 3): the square root of what is over the sky, so that faint stars are seen too.
-
-    Stars that were recognised have a blue box about them, the target an orange one.
-    """
-    light = frame.pixels.astype(np.float64)
-    sky, bright = np.median(light), max(float(np.percentile(light, 99.95)), 1.0)
-    level = np.sqrt(np.clip((light - sky) / max(bright - sky, 1.0), 0.0, 1.0))
-    picture = np.repeat(np.rint(255.0 * level).astype(np.uint8)[:, :, None], 3, axis=2)
+    """A frame as a picture (n, n, 3). Recognised stars have a blue box about them, the target an orange one."""
+    picture = np.repeat(as_grey(frame.pixels)[:, :, None], 3, axis=2)
     for column, row in frame.stars.tolist():
         _box(picture, column, row, 7, (90, 160, 255))
     if frame.place is not None:

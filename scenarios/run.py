@@ -49,7 +49,7 @@ PLANNING_LIMITS = Limits(max_steps=20_000, max_seconds=math.inf)
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What a run is given besides its scenario. `images`: render the cameras (needs offscreen OpenGL)."""
+    """What a run is given besides its scenario. `images`: record pictures (from outside: with offscreen OpenGL)."""
 
     seed: int = 0
     faults: tuple[FaultSection, ...] = ()

@@ -78,10 +78,10 @@ def _flight() -> Finding:
 
 def _opengl() -> Finding:
     try:
-        return Finding("offscreen OpenGL (pictures)", True, find_backend(), required=False)
+        return Finding("offscreen OpenGL (views from outside)", True, find_backend(), required=False)
     except SimulatorError as error:
         remedy = "apt-get install --no-install-recommends libegl1 libgl1 (or libosmesa6)"
-        return Finding("offscreen OpenGL (pictures)", False, str(error), remedy, required=False)
+        return Finding("offscreen OpenGL (views from outside)", False, str(error), remedy, required=False)
 
 
 def _disk(folder: Path) -> Finding:

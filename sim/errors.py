@@ -29,4 +29,4 @@ class SimulationError(SimulatorError):
 
 
 class RenderingUnavailable(SimulatorError):  # noqa: N818 - says a fact of the machine, not a mistake
-    """Pictures need offscreen OpenGL and this machine has none that works; the message names the packages."""
+    """Views from outside need offscreen OpenGL and this machine has none that works; the message names the packages."""

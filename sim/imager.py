@@ -30,13 +30,7 @@ class Imager:
 
     def develop(self, target: str, seconds: float, time_s: float) -> bool:
         """The frame of what was looked at for `seconds` up to about `time_s`; whether it holds a measurement."""
-        sky = self._environment
-        body = Body(
-            np.array(sky.direction_I(target, time_s)),
-            np.array(sky.sun_direction_I(time_s)),
-            sky.angular_diameter_rad(target, time_s),
-            sky.targets[target].magnitude,
-        )
+        body = body_of(self._environment, target, time_s)
         self.frame = take(target, body, self._ways, seconds, self._believed, self._generator)
         self._ways = []
         return self.frame.good
@@ -50,3 +44,13 @@ class Imager:
             longitude, latitude = (float(angle) for angle in to_angles(self.frame.direction_I))
         values: dict[str, float | str] = {"optnav.status": self.frame.status}
         return values | {"optnav.longitude_rad": longitude, "optnav.latitude_rad": latitude}
+
+
+def body_of(environment: Environment, target: str, time_s: float) -> Body:
+    """A target as a camera of the spacecraft sees it."""
+    return Body(
+        np.array(environment.direction_I(target, time_s)),
+        np.array(environment.sun_direction_I(time_s)),
+        environment.angular_diameter_rad(target, time_s),
+        environment.targets[target].magnitude,
+    )

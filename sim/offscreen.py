@@ -42,9 +42,8 @@ def find_backend() -> str:
         if all(any(map(_loads, names)) for names in _LIBRARIES[backend]) and _works(backend):
             return backend
     raise RenderingUnavailable(
-        f"pictures need offscreen OpenGL: tried {', '.join(candidates)}, found none that works. On Debian install "
-        + " or ".join(f"`{PACKAGES[backend]}`" for backend in candidates)
-        + "."
+        f"views from outside need offscreen OpenGL: tried {', '.join(candidates)}, found none that works. "
+        "On Debian install " + " or ".join(f"`{PACKAGES[backend]}`" for backend in candidates) + "."
     )
 
 

@@ -170,3 +170,11 @@ def add_sphere(light: Floats, place: Floats, radius: float, sun: Floats, electro
     toward = np.sqrt(np.maximum(0.0, 1.0 - inside))
     lit = np.maximum(0.0, x * sun[0] + y * sun[1] + toward * sun[2])
     light[top:bottom, left:right] += np.where(inside <= 1.0, electrons * lit, 0.0)
+
+
+def as_grey(frame: NDArray[np.uint16]) -> NDArray[np.uint8]:
+    """A frame for people, 0 to 255: the square root of what is over the sky, so that faint stars are seen too."""
+    light = frame.astype(np.float64)
+    sky, bright = np.median(light), max(float(np.percentile(light, 99.95)), 1.0)
+    level = np.sqrt(np.clip((light - sky) / max(bright - sky, 1.0), 0.0, 1.0))
+    return np.asarray(np.rint(255.0 * level), dtype=np.uint8)

@@ -1,8 +1,7 @@
-"""Pictures: MuJoCo draws what has a shape, `sim.sky` the stars behind it.
+"""The spacecraft from outside: MuJoCo draws what has a shape, `sim.sky` the stars behind it.
 
-`micas`: through the science camera, 0.7 degrees high. Targets with an angular diameter near its boresight are drawn as
-an ellipsoid lit from the Sun; the stars are the real ones (see `sim.sky`).
-`chase`: the spacecraft from outside, the plume shown while thrusting.
+The camera hangs beside the bus (`chase` in the model) and turns with nothing; the plume is shown while thrusting. What
+the science camera sees is not drawn here: its picture is `sim.optics`'.
 """
 
 from __future__ import annotations
@@ -19,11 +18,9 @@ from sim.errors import ConfigurationError, RenderingUnavailable
 from sim.offscreen import make_context
 from sim.sky import load_sky, star_image
 
-CAMERAS = ("micas", "chase")
 LARGEST_FRAME = 1024
-_FAINTEST = {"micas": 10.0, "chase": 5.5}
-_TARGET_DISTANCE_M = 2000.0
-_LOOK_RAD = math.radians(2.0)
+_CAMERA = "chase"
+_FAINTEST = 5.5
 
 
 class Renderer:
@@ -42,7 +39,7 @@ class Renderer:
         self._option = mujoco.MjvOption()
 
     def __repr__(self) -> str:
-        return f"Renderer({', '.join(CAMERAS)})"
+        return f"Renderer({_CAMERA})"
 
     def close(self) -> None:
         """Free the OpenGL context."""
@@ -53,17 +50,13 @@ class Renderer:
             self._context = None
 
     def render(
-        self, data: mujoco.MjData, camera: str, width: int, height: int, *, time_s: float, thrusting: bool
+        self, data: mujoco.MjData, width: int, height: int, *, time_s: float, thrusting: bool
     ) -> NDArray[np.uint8]:
         """Frame (height, width, 3) of the pose in `data`, whose position is the origin."""
-        if camera not in CAMERAS:
-            raise ConfigurationError(f"camera: expected one of {', '.join(CAMERAS)}, found {camera!r}")
-        if not (1 <= width <= LARGEST_FRAME and 1 <= height <= LARGEST_FRAME):
-            raise ConfigurationError(f"frame: expected 1 to {LARGEST_FRAME} pixels a side, found {width} x {height}")
-        number = self._model.camera(camera).id
-        mujoco.mj_kinematics(self._model, data)
-        mujoco.mj_camlight(self._model, data)
-        self._set_scene(data, number, time_s, thrusting)
+        check_size(width, height)
+        number = self._model.camera(_CAMERA).id
+        self._model.light_dir[0] = -np.array(self._environment.sun_direction_I(time_s))
+        self._model.mat_rgba[self._model.material("plume").id][3] = 0.45 if thrusting else 0.0
         mujoco.mj_kinematics(self._model, data)
         mujoco.mj_camlight(self._model, data)
         try:
@@ -72,30 +65,11 @@ class Renderer:
             raise RenderingUnavailable(f"the OpenGL context was lost at {time_s:.0f} s: {error}") from error
         axes_I = data.cam_xmat[number].reshape(3, 3).T
         field_rad = math.radians(float(self._model.cam_fovy[number]))
-        stars = star_image(self._sky, axes_I, field_rad, width, height, faintest=_FAINTEST[camera])
+        stars = star_image(self._sky, axes_I, field_rad, width, height, faintest=_FAINTEST)
         light = (255.0 * np.minimum(stars, 1.0)).astype(np.uint8)
         behind = shape.max(axis=2) == 0
         shape[behind] = light[behind][:, None]
         return shape
-
-    def _set_scene(self, data: mujoco.MjData, number: int, time_s: float, thrusting: bool) -> None:
-        """Put the target into the field, or behind the camera, turn the Sun's light and show or hide the plume."""
-        sun_I = np.array(self._environment.sun_direction_I(time_s))
-        self._model.light_dir[0] = -sun_I
-        self._model.mat_rgba[self._model.material("plume").id][3] = 0.45 if thrusting else 0.0
-        body = self._model.geom("target_body").id
-        position = data.cam_xpos[number].copy()
-        forward = -data.cam_xmat[number].reshape(3, 3)[:, 2]
-        data.mocap_pos[0] = -_TARGET_DISTANCE_M * forward
-        for target in self._environment.targets.values():
-            direction = np.array(self._environment.direction_I(target.name, time_s))
-            diameter_rad = self._environment.angular_diameter_rad(target.name, time_s)
-            if diameter_rad > 0.0 and direction @ forward > math.cos(_LOOK_RAD):
-                radius = _TARGET_DISTANCE_M * math.tan(0.5 * diameter_rad)
-                self._model.geom_size[body] = radius * np.array([1.0, 0.82, 0.7])
-                self._model.geom_rbound[body] = radius
-                data.mocap_pos[0] = position + _TARGET_DISTANCE_M * direction
-                return
 
     def _draw(self, data: mujoco.MjData, number: int, width: int, height: int) -> NDArray[np.uint8]:
         camera = mujoco.MjvCamera()
@@ -110,3 +84,9 @@ class Renderer:
         mujoco.mjr_render(rectangle, self._scene, self._mjr)
         mujoco.mjr_readPixels(frame, None, rectangle, self._mjr)
         return np.flipud(frame).copy()
+
+
+def check_size(width: int, height: int) -> None:
+    """Refuse frames that nobody draws: ConfigurationError."""
+    if not (1 <= width <= LARGEST_FRAME and 1 <= height <= LARGEST_FRAME):
+        raise ConfigurationError(f"frame: expected 1 to {LARGEST_FRAME} pixels a side, found {width} x {height}")

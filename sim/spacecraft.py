@@ -43,8 +43,8 @@ from sim.navigation import Frame
 from sim.physics import Physics
 from sim.quaternion import Vector, rotate_inverse
 from sim.recorded_state import RecordedState
-from sim.rendering import Renderer
 from sim.star_tracker import StarTracker
+from sim.views import Views
 
 # Generators are spawned in this order; new ones go to the end, or old seeds would give new runs.
 _GENERATORS = ("wheels", "ips", "micas", "sensors", "thermal", "optics", "tracker")
@@ -128,7 +128,7 @@ class Spacecraft:
         )
         self._switched = True
         self._was_undervoltage = False
-        self._renderer: Renderer | None = None
+        self._views = Views(self._assembly.model, self.environment, self._physics)
         self._balance()
 
     def __repr__(self) -> str:
@@ -244,21 +244,16 @@ class Spacecraft:
         return self._physics.angular_momentum_I()
 
     def render(self, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """What a camera sees now: `micas` or `chase`, as rows, columns and RGB of 0 to 255.
+        """What a camera sees now, as rows, columns and RGB of 0 to 255: `micas`, or `chase` from outside.
 
-        Raises `RenderingUnavailable` without offscreen OpenGL, `ConfigurationError` for another camera or size.
+        Raises `ConfigurationError` for another camera or size; `chase` without offscreen OpenGL `RenderingUnavailable`.
         """
-        if self._renderer is None:
-            self._renderer = Renderer(self._assembly.model, self.environment)
         thrusting = self._engine.state == "thrusting"
-        pose = self._physics.scratch()
-        return self._renderer.render(pose, camera, width, height, time_s=float(self.time), thrusting=thrusting)
+        return self._views.render(camera, width, height, time_s=float(self.time), thrusting=thrusting)
 
     def close(self) -> None:
-        """Give back what the renderer holds; the spacecraft flies on."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        """Give back what drawing views holds; the spacecraft flies on."""
+        self._views.close()
 
     @property
     def _propellant_used_kg(self) -> float:

@@ -107,13 +107,13 @@ class AttitudeEnvironment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]
         return self._observe(), reward, settled or tumbling, False, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The chase camera's picture (256, 256, 3); None without a render mode. `RenderingUnavailable` without GL."""
+        """The spacecraft from outside (256, 256, 3); None without a render mode. `RenderingUnavailable` without GL."""
         if self.render_mode is None:
             return None
         pose = self._flying().scratch()
         if self._renderer is None:
             self._renderer = Renderer(self._assembly.model, self._sky)
-        return self._renderer.render(pose, "chase", _FRAME_PIXELS, _FRAME_PIXELS, time_s=0.0, thrusting=False)
+        return self._renderer.render(pose, _FRAME_PIXELS, _FRAME_PIXELS, time_s=0.0, thrusting=False)
 
     def close(self) -> None:
         """Give back the renderer."""

@@ -16,6 +16,7 @@ from sim.config import SpacecraftConfig, Target
 from sim.dictionary import TELECOMMANDS, Argument, TelemetryValue
 from sim.errors import ConfigurationError
 from sim.spacecraft import Spacecraft
+from sim.views import CAMERAS
 
 EXPOSURE_S = 30.0
 """Every exposure of this environment."""
@@ -87,7 +88,11 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
         config: SpacecraftConfig | None = None,
         seconds_per_step: int = 60,
         horizon_s: int = 43_200,
+        camera: str = "chase",
     ) -> None:
+        """`camera`: whose pictures are rendered, the spacecraft from outside or the science camera's (`micas`)."""
+        if camera not in CAMERAS:
+            raise ConfigurationError(f"camera: expected one of {', '.join(CAMERAS)}, found {camera!r}")
         if render_mode not in (None, "rgb_array"):
             raise ConfigurationError(f"render_mode: expected rgb_array or None, found {render_mode!r}")
         if seconds_per_step < 1 or horizon_s < seconds_per_step:
@@ -96,6 +101,7 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
                 f"found {seconds_per_step}, {horizon_s}"
             )
         self.render_mode = render_mode
+        self._camera = camera
         self._config = config or SpacecraftConfig(camera_frames=False)
         self._seconds = seconds_per_step
         self._horizon_s = horizon_s
@@ -154,11 +160,11 @@ class OperationsEnvironment(gymnasium.Env[NDArray[np.float32], np.int64]):
         return self._observe(), reward, done, not done and craft.time >= self._horizon_s, self._info(accepted)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The chase camera's picture (256, 256, 3); None without a render mode. `RenderingUnavailable` without GL."""
-        return None if self.render_mode is None else self._flying().render("chase", 256, 256)
+        """What `camera` sees (256, 256, 3); None without a render mode. `chase` without GL: `RenderingUnavailable`."""
+        return None if self.render_mode is None else self._flying().render(self._camera, 256, 256)
 
     def close(self) -> None:
-        """Give back the spacecraft's renderer."""
+        """Give back what the pictures hold."""
         if self._craft is not None:
             self._craft.close()
 

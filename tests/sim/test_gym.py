@@ -132,6 +132,16 @@ def test_a_vector_of_environments_flies_like_each_alone(name):
     alone.close()
 
 
+def test_the_science_camera_can_be_the_picture():
+    env = gymnasium.make("Spacecraft-Operations-v0", render_mode="rgb_array", camera="micas")
+    env.reset(seed=1)
+    craft = env.unwrapped._craft
+    assert np.array_equal(env.render(), craft.render("micas", 256, 256))
+    with pytest.raises(ConfigurationError, match="camera: expected one of micas, chase, found 'selfie'"):
+        gymnasium.make("Spacecraft-Operations-v0", camera="selfie")
+    env.close()
+
+
 @pytest.mark.gl
 @pytest.mark.parametrize("name", IDS)
 def test_pictures_are_rgb_and_show_something(name):
