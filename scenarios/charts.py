@@ -13,36 +13,38 @@ from scenarios.run_story import Lane, RunStory, Stretch
 from scenarios.times import clock
 
 WIDTH = 1000
+_PLOT_WIDTH = 560
 _LEFT, _RIGHT = 8, 12
 _LETTER = 5.7  # mean width of a letter of 10 units height
 _NAME, _THIN, _THICK, _GAP = 15, 8, 20, 9
 _MARKS = 44.0  # height of the words above the lanes
-_LINES = ("#2563a8", "#c2571a", "#1f8a5b", "#8a3fb0")
+_LINES = ("#2563a8", "#b34d12", "#187549", "#8a3fb0")
+_HALF_WAY = 0.179  # the luminance on which black and white words stand out alike
 _POINTS = 500
 _STEPS_S = (60, 300, 600, 1800, 3600, 7200, 10_800, 21_600, 43_200, 86_400, 172_800, 604_800, 2_592_000)
 
 
 class Axis:
-    """From seconds to places on the chart."""
+    """From seconds to places on a chart that is `width` units wide, with `most` spaces between ticks."""
 
-    def __init__(self, start: int, end: int) -> None:
-        self.start, self.end = start, max(end, start + 1)
+    def __init__(self, start: int, end: int, width: int = WIDTH, most: int = 13) -> None:
+        self.start, self.end, self.width, self._most = start, max(end, start + 1), width, most
 
     def x(self, time: float) -> float:
         """Where a second is, in chart units."""
         share = (min(max(time, self.start), self.end) - self.start) / (self.end - self.start)
-        return round(_LEFT + share * (WIDTH - _LEFT - _RIGHT), 1)
+        return round(_LEFT + share * (self.width - _LEFT - _RIGHT), 1)
 
     def ticks(self) -> Iterator[int]:
-        """Round times, a dozen at most."""
-        step = next((s for s in _STEPS_S if (self.end - self.start) / s <= 13), _STEPS_S[-1])
+        """Round times, `most` and one at most."""
+        step = next((s for s in _STEPS_S if (self.end - self.start) / s <= self._most), _STEPS_S[-1])
         return iter(range(math.ceil(self.start / step) * step, self.end + 1, step))
 
     def grid(self, top: float, bottom: float) -> Iterator[str]:
         """Lines at the ticks, with their times below."""
         for tick in self.ticks():
             x = self.x(tick)
-            anchor = "start" if x < 40 else "end" if x > WIDTH - 40 else "middle"
+            anchor = "start" if x < 40 else "end" if x > self.width - 40 else "middle"
             yield f'<line class="grid" x1="{x}" y1="{top}" x2="{x}" y2="{bottom}"/>'
             yield f'<text class="tick" x="{x}" y="{bottom + 12}" text-anchor="{anchor}">{clock(tick)[:-3]}</text>'
 
@@ -57,7 +59,8 @@ def timeline(story: RunStory) -> str:
     for lane in story.lanes:
         parts += _lane(lane, axis, palette, y)
         y += _NAME + 2 * _THIN + _THICK + _GAP
-    return _svg(y + 18, [*axis.grid(_MARKS - 4, y), *parts, *_marks(story, axis, y)], "plan against execution")
+    name = f"plan against execution of {', '.join(lane.name for lane in story.lanes)}"
+    return _svg(WIDTH, y + 18, [*axis.grid(_MARKS - 4, y), *parts, *_marks(story, axis, y)], name)
 
 
 def _phases(story: RunStory, axis: Axis, y: float) -> Iterator[str]:
@@ -112,7 +115,7 @@ def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
 
 def plot(panel: Plot, title: str, story: RunStory) -> str:
     """One panel of telemetry."""
-    axis, top, bottom = Axis(*story.horizon), 8.0, 118.0
+    axis, top, bottom = Axis(*story.horizon, _PLOT_WIDTH, most=6), 8.0, 118.0
     values = [v for _, row in panel.rows for v in row if math.isfinite(v)]
     if not values:
         return ""
@@ -124,14 +127,15 @@ def plot(panel: Plot, title: str, story: RunStory) -> str:
         return round(bottom - (value - low) / (high - low) * (bottom - top), 1)
 
     parts = [*axis.grid(top, bottom)]
+    marks = [(value, y(value)) for value in _round_values(low, high)]
+    right = _PLOT_WIDTH - _RIGHT
+    parts += [f'<line class="grid" x1="{_LEFT}" y1="{at}" x2="{right}" y2="{at}"/>' for _, at in marks]
     for column in range(len(panel.rows[0][1])):
         colour = line_colour(column)
         points = " ".join(f"{axis.x(t)},{y(v)}" for t, v in _thinned([(t, row[column]) for t, row in panel.rows]))
         parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
-    for value in _round_values(low, high):
-        parts.append(f'<line class="grid" x1="{_LEFT}" y1="{y(value)}" x2="{WIDTH - _RIGHT}" y2="{y(value)}"/>')
-        parts.append(f'<text class="tick" x="{_LEFT + 2}" y="{y(value) + 3}">{value:g}</text>')
-    return _svg(bottom + 18, parts, title)
+    parts += [f'<text class="tick" x="{_LEFT + 2}" y="{at + 3}">{value:g}</text>' for value, at in marks]
+    return _svg(_PLOT_WIDTH, bottom + 18, parts, f"{title}, {low:.4g} to {high:.4g}")
 
 
 def _round_values(low: float, high: float) -> Iterator[float]:
@@ -163,9 +167,17 @@ def _bar(
     x, width = axis.x(start), round(max(0.6, axis.x(end) - axis.x(start)), 1)
     letters = int((width - 5) / _LETTER)
     shown = label if len(label) <= letters else label[: letters - 1] + "…" if letters >= 4 else ""
-    text = f'<text class="label" x="{x + 3}" y="{y + height - 6}">{escape(shown)}</text>' if shown else ""
+    ink = "label" if _luminance(colour) < _HALF_WAY else "label dark"
+    text = f'<text class="{ink}" x="{x + 3}" y="{y + height - 6}">{escape(shown)}</text>' if shown else ""
     rect = f'<rect class="{style}" x="{x}" y="{y}" width="{width}" height="{height}" fill="{colour}"/>'
     return f"<g><title>{escape(title)}</title>{rect}{text}</g>"
+
+
+def _luminance(colour: str) -> float:
+    """Relative luminance of `#rrggbb`, as the contrast ratio of the Web Content Accessibility Guidelines has it."""
+    shares = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def _look(stretch: Stretch, palette: Palette) -> tuple[str, str]:
@@ -181,6 +193,6 @@ def _hex(colour: int) -> str:
     return f"#{colour >> 8:06x}"
 
 
-def _svg(height: float, parts: Iterable[str], name: str) -> str:
-    head = f'<svg viewBox="0 0 {WIDTH} {height:g}" role="img" aria-label="{escape(name)}">'
+def _svg(width: int, height: float, parts: Iterable[str], name: str) -> str:
+    head = f'<svg viewBox="0 0 {width} {height:g}" role="img" aria-label="{escape(name)}">'
     return head + "".join(parts) + "</svg>"

@@ -265,7 +265,17 @@ def review_run(
     run_dir: Annotated[Path, typer.Argument(help="A run folder.")],
     png: Annotated[
         Path | None,
-        typer.Option(help="A folder for pictures of the recording's tabs; needs no display.", metavar="DIR"),
+        typer.Option(
+            help="A folder for pictures of the recording's tabs, when each fault was noticed and at the end; needs no "
+            "display.",
+            metavar="DIR",
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="With --png: pictures of this time instead, as 3h20m or 1d 02:00; repeatable.", metavar="TIME"
+        ),
     ] = None,
     html: Annotated[
         Path | None, typer.Option(help="Write the report page here; needs no display.", metavar="FILE")
@@ -273,15 +283,17 @@ def review_run(
     as_json: AsJson = False,
 ) -> None:
     """Open a run's recording in the Rerun viewer; or, without a display, make pictures of it or its report page."""
-    from scenarios.review import open_viewer, recording_of, take
+    from scenarios.review import moments_of, open_viewer, recording_of, take
 
+    moments = moments_of(at, png)
     made: dict[str, Any] = {}
     if html is not None:
         from scenarios.report import write_report
 
         made["report"] = str(write_report(run_dir, html))
     if png is not None:
-        made["pictures"] = [str(picture) for picture in take(recording_of(run_dir), png)]
+        taken = take(recording_of(run_dir), png, moments, quiet=as_json)
+        made["pictures"] = [str(picture) for picture in taken]
     if not made:
         open_viewer(recording_of(run_dir))
     if as_json:

@@ -14,6 +14,7 @@ from rich.text import Text
 from planner.plan import FlexiblePlan
 from scenarios.folder import RECORDING, REPORT, SUMMARY
 from scenarios.times import clock
+from scenarios.words import in_words
 
 _COLOURS = {"achieved": "green", "dropped": "yellow", "missed": "red"}
 _OUTCOMES = {"completed": "bold green", "degraded": "bold yellow", "standby": "bold red", "failed": "bold red"}
@@ -49,7 +50,7 @@ def print_summary(summary: dict[str, Any], folder: Path) -> None:
         status = (f"{goal['status']:9}", _COLOURS.get(goal["status"], ""))
         console.print(Text.assemble(f"  {goal['id']:{widest}}  ", status, at))
         if goal["reason"]:
-            console.print(_wrapped(goal["reason"], width, " " * (widest + 4)))
+            console.print(_wrapped(in_words(goal["reason"]), width, " " * (widest + 4)))
     for line in _lines(summary):
         console.print(_wrapped(line, width))
     for what, name in (("recording", RECORDING), ("report", REPORT), ("summary", SUMMARY)):

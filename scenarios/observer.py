@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from math import ceil
 from pathlib import Path
@@ -14,7 +15,7 @@ from executive.port import TelemetryValue
 from planner.plan import FlexiblePlan
 from scenarios.bridge import scene_of
 from scenarios.config import Scenario
-from scenarios.recording import Channel, RunRecorder
+from scenarios.recording import Channel, Mark, RunRecorder
 from sim import RenderingUnavailable, Spacecraft
 from sim.navigation import Frame
 from sim.optics import as_grey
@@ -22,7 +23,7 @@ from sim.optics import as_grey
 SAMPLE_PERIOD_S = 10
 CHASE_PERIOD_S = 1800
 MOST_CHASE_PICTURES = 48
-IMAGE_SIZE = 256
+IMAGE_SIZE = 384
 
 LANES = (
     "attitude.mode",
@@ -34,17 +35,17 @@ LANES = (
 )
 
 CHANNELS = (
-    Channel("acs.error_rad", "Attitude", "pointing error (rad)", label="error"),
+    Channel("acs.error_rad", "Attitude", "pointing error (degrees)", label="error", scale=math.degrees(1.0)),
     *(Channel(f"wheels.speed_{n}_rad_s", "Attitude", "wheel speeds (rad/s)", label=f"wheel {n}") for n in (1, 2, 3, 4)),
     Channel("wheels.momentum_Nms", "Attitude", "wheel momentum (N m s)", label="momentum"),
     Channel("power.array_W", "Power", "power (W)", label="array"),
     Channel("power.load_W", "Power", "power (W)", label="load"),
     Channel("power.margin_W", "Power", "power (W)", label="margin"),
     Channel("battery.soc", "Power", "battery charge (0 to 1)", label="charge"),
-    Channel("ips.thrust_N", "Power", "thrust (N)", label="thrust"),
+    Channel("ips.thrust_N", "Power", "thrust of the ion engine (mN)", label="thrust", scale=1000.0),
     Channel("ips.xenon_kg", "Propellant", "xenon left (kg)", label="xenon"),
     Channel("rcs.hydrazine_kg", "Propellant", "hydrazine left (kg)", label="hydrazine"),
-    Channel("ips.thrust_seconds", "Propellant", "time of thrust (s)", label="thrusting"),
+    Channel("ips.thrust_seconds", "Propellant", "time of thrust so far (h)", label="thrusting", scale=1 / 3600),
 )
 
 
@@ -70,6 +71,7 @@ class Observer:
             CHANNELS,
             power_lanes=("engine.mode", "camera.switch"),
             camera_lanes=("camera.mode",),
+            about=scenario.summary,
         )
 
     def look(self, time: int, telemetry: Mapping[str, TelemetryValue]) -> None:
@@ -104,9 +106,9 @@ class Observer:
         """A frame of the science camera as it came, dark sky to black, with what was found in it."""
         if not self._render:
             return
-        against = {"stars": f"measured against {len(frame.stars)} stars", "attitude": "measured against the attitude"}
-        caption = f"{frame.target}: {against.get(frame.status, frame.status)}; {images} good so far"
-        self._recorder.image(time, shown(frame), "micas", caption)
+        against = {"stars": f"placed by {len(frame.stars)} stars", "attitude": "placed by the attitude"}
+        caption = f"{frame.target} {against.get(frame.status, frame.status)}, good: {images}"
+        self._recorder.image(time, shown(frame), "micas", caption, found_in(frame))
         self.images += 1
 
     def _chase(self, time: int, caption: str) -> None:
@@ -124,22 +126,14 @@ class Observer:
 
 
 def shown(frame: Frame) -> NDArray[np.uint8]:
-    """A frame as a picture (n, n, 3). Recognised stars have a blue box about them, the target an orange one."""
-    picture = np.repeat(as_grey(frame.pixels)[:, :, None], 3, axis=2)
-    for column, row in frame.stars.tolist():
-        _box(picture, column, row, 7, (90, 160, 255))
-    if frame.place is not None:
-        _box(picture, *frame.place, 36, (255, 150, 40))
-    return picture
+    """A frame as a picture (n, n, 3), dark sky to black."""
+    return np.repeat(as_grey(frame.pixels)[:, :, None], 3, axis=2)
 
 
-def _box(picture: NDArray[np.uint8], column: float, row: float, half: int, colour: tuple[int, int, int]) -> None:
-    """Outline a square about a place, as far as it lies in the picture."""
-    edge = picture.shape[0] - 1
-    left, top = max(0, round(column) - half), max(0, round(row) - half)
-    right, bottom = min(edge, round(column) + half), min(edge, round(row) + half)
-    picture[[top, bottom], left : right + 1] = colour
-    picture[top : bottom + 1, [left, right]] = colour
+def found_in(frame: Frame) -> list[Mark]:
+    """The stars that were recognised, and the target."""
+    marks = [Mark("star", column, row) for column, row in frame.stars.tolist()]
+    return marks if frame.place is None else [*marks, Mark("target", *frame.place, frame.target)]
 
 
 class Unobserved:

@@ -15,18 +15,17 @@ import sysconfig
 import tempfile
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-import numpy as np
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from scenarios.recording.blueprint import LOG
-from scenarios.recording.boards import HEADER_PATH
+from scenarios.recording.boards import FAULTS_PATH
 from scenarios.recording.stream import EPOCH_PROPERTY, TIMELINE
 from scenarios.recording.style import elapsed, entity
 
@@ -35,6 +34,8 @@ _START_SECONDS = 30.0
 _LOAD_SECONDS = 60.0
 _SETTLE_SECONDS = 0.6
 _ENDING_SECONDS = 5.0
+_TOASTS_SECONDS = 6.0  # after which the viewer's notices of its start are gone
+_MOST_FAULTS, _APART_SECONDS = 4, 1800
 
 
 class PicturesError(Exception):
@@ -50,57 +51,78 @@ class _Tab:
 
 
 def take_pictures(
-    rrd: Path, out: Path, moments: Sequence[int] | None = None, size: tuple[int, int] = SIZE
+    rrd: Path,
+    out: Path,
+    moments: Sequence[int] | None = None,
+    size: tuple[int, int] = SIZE,
+    tell: Callable[[int, int], None] = lambda taken, of: None,
 ) -> list[Path]:
     """A picture of every tab at every moment, `size` pixels, as `<number>_<tab>_<hh-mm-ss>.png` in `out`.
 
-    `moments`: simulation seconds of the cursor; None takes the first fault that was detected, or else the middle of
-    the recording. Raises PicturesError when there is no readable recording, no viewer or no graphics driver, and when a
-    view reports that it cannot draw something.
+    `moments`: simulation seconds of the cursor; None takes those of `read_moments`. `tell`: told after each picture
+    how many there are, and of how many. Raises PicturesError when there is no readable recording, no viewer or no
+    graphics driver, and when a view reports that it cannot draw something.
     """
     if not rrd.is_file():
         raise PicturesError(f"{rrd}: expected a recording, found no file")
-    epoch_ns, telling = read_moment(rrd)
+    telling = read_moments(rrd)
+    chosen = telling if moments is None else moments
     out.mkdir(parents=True, exist_ok=True)
     pictures = []
     with _viewer(size) as viewer:
         _open(viewer, rrd)
         tabs = _tabs(viewer)
-        for moment in moments if moments is not None else (telling,):
-            instant = np.datetime64(epoch_ns + moment * 1_000_000_000, "ns")
-            viewer.set_time(TIMELINE, timestamp=instant, play_state="paused")
+        time.sleep(_TOASTS_SECONDS)
+        for moment in chosen:
+            viewer.set_time(TIMELINE, duration=float(moment), play_state="paused")
             for number, tab in enumerate(tabs):
                 _show(viewer, tab)
                 clock = elapsed(moment).replace(":", "-").replace(" ", "_")
                 picture = out / f"{number}_{entity(tab.name).lower()}_{clock}.png"
                 _shoot(viewer, picture)
                 pictures.append(picture)
+                tell(len(pictures), len(chosen) * len(tabs))
         _check_reports(viewer, rrd)
     return pictures
 
 
-def read_moment(rrd: Path) -> tuple[int, int]:
-    """Unix nanoseconds of simulation second 0, and the simulation second at which a recording is best looked at."""
-    epoch_ns: int | None = None
+def read_moments(rrd: Path) -> list[int]:
+    """The simulation seconds at which a recording is best looked at: faults noticed, as far as they are apart, the end.
+
+    Without faults the middle instead. PicturesError when it is no recording of a run.
+    """
+    known = False
     times: list[int] = []
-    detected: list[int] = []
+    rows: dict[int, list[str]] = {}
     for chunk in _chunks(rrd):
         path = str(chunk.entity_path)
-        if path == f"/__properties/{EPOCH_PROPERTY}":
-            found = _first_number(chunk.to_record_batch(), "epoch_ns")
-            epoch_ns = epoch_ns if found is None else found
-        elif path == HEADER_PATH and not chunk.is_static:
-            batch = chunk.to_record_batch()
-            instants = batch.column(TIMELINE).cast("int64").to_pylist()
-            times += instants
+        known = known or path == f"/__properties/{EPOCH_PROPERTY}"
+        if chunk.is_static or path not in (FAULTS_PATH, LOG):
+            continue
+        batch = chunk.to_record_batch()
+        instants = [t // 1_000_000_000 for t in batch.column(TIMELINE).cast("int64").to_pylist()]
+        times += instants
+        if path == FAULTS_PATH:
             states = batch.column("StateChange:state").to_pylist()
-            detected += [t for t, row in zip(instants, states, strict=True) if any(": detected" in s for s in row)]
-        elif path == LOG and not chunk.is_static:
-            times += chunk.to_record_batch().column(TIMELINE).cast("int64").to_pylist()
-    if epoch_ns is None:
+            rows |= dict(zip(instants, states, strict=True))
+    if not known:
         raise PicturesError(f"{rrd}: expected a recording of a run, found none of its properties")
-    moment = min(detected) if detected else (min(times) + max(times)) // 2 if times else epoch_ns
-    return epoch_ns, (moment - epoch_ns) // 1_000_000_000
+    moments: list[int] = []
+    for moment in _noticed(rows):
+        if len(moments) < _MOST_FAULTS and (not moments or moment >= moments[-1] + _APART_SECONDS):
+            moments.append(moment)
+    last = max(times, default=0)
+    return [*moments, last] if moments else [(min(times, default=0) + last) // 2]
+
+
+def _noticed(rows: Mapping[int, Sequence[str]]) -> Iterator[int]:
+    """When a fault was detected that was not a moment before, ascending. `rows`: what the lane of faults shows."""
+    before: set[str] = set()
+    for second, row in sorted(rows.items()):
+        detected = {state.partition(":")[0] for state in row if ": detected" in state}
+        if detected - before:
+            yield second
+        before = detected
 
 
 def _chunks(rrd: Path) -> list[Any]:
@@ -112,14 +134,6 @@ def _chunks(rrd: Path) -> list[Any]:
             return list(RrdReader(rrd).stream())
         except (ValueError, OSError, RuntimeError) as error:
             raise PicturesError(f"{rrd}: expected a recording, found none that can be read: {error}") from error
-
-
-def _first_number(batch: Any, name: str) -> int | None:
-    for column in batch.schema.names:
-        if column.rpartition(":")[2] == name:
-            values = batch.column(column).to_pylist()[0]
-            return int(values[0]) if values else None
-    return None
 
 
 @contextmanager

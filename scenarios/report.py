@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,22 @@ from scenarios.errors import RunBrokenError, ScenarioError
 from scenarios.folder import RECORDING, REPORT
 from scenarios.observer import CHANNELS
 from scenarios.recording import story as words
+from scenarios.recording.marks import COLOURS, HALF_PX
 from scenarios.recording.reading import Picture, Readings, read
+from scenarios.recording.scene import IMAGE_PX
 from scenarios.recording.telemetry import panels_of
 from scenarios.report_style import STYLE
 from scenarios.run_story import RunStory
 from scenarios.times import clock
+from scenarios.words import in_words
 
+_OUTCOMES = {
+    "completed": "every goal is achieved",
+    "degraded": "goals that could not be reached any more were dropped, all the others are achieved",
+    "standby": "goals are missed, and the spacecraft waits without a plan",
+    "failed": "goals are missed",
+}
+_MOST_OUTSIDE = 16
 _TOLD = ("run.started", "plan.adopted", "plan.failed", "goal", "token.failed", "standby.entered", "run.finished")
 _LEAST = ("fault.injected", "fault.detected", "fault.response", "fault.recovered", "fault.cleared")
 
@@ -50,7 +61,7 @@ def page_of(story: RunStory, readings: Readings) -> str:
         _section("Faults and responses", _faults(story)),
         _section("Plans", _plans(story)),
         _section("Flight rules", _flight_rules(story)),
-        _section("Resources", "".join(_plots(story, readings))),
+        _section("Resources", _grid("plots", _plots(story, readings))),
         _section("Images", _images(readings.pictures)),
         _section("What happened", _events(story)),
     ]
@@ -74,15 +85,30 @@ def _head(story: RunStory, title: str) -> str:
     if summary:
         facts.append(f"{summary['replans']} of them forced by faults")
         facts.append(_count(summary["faults"], "fault"))
-        facts.append(f"{summary['wall_seconds']:.1f} s of wall time")
+        facts.append(f"computed in {summary['wall_seconds']:.1f} s")
+    about = "".join(f"<p>{escape(text)}</p>" for text in (_about(summary), _meant(outcome, summary)) if text)
     kept = "".join(f'<p class="broken">Not as declared: {escape(words)}</p>' for words in summary.get("unmet", ()))
     badge = f'<span class="badge {escape(outcome.replace(" ", "-"))}">{escape(outcome)}</span>'
-    return f"<header><h1>{escape(title)} {badge}</h1><p>{escape(', '.join(facts))}</p>{kept}</header>"
+    return f"<header><h1>{escape(title)} {badge}</h1>{about}<p>{escape(', '.join(facts))}</p>{kept}</header>"
+
+
+def _about(summary: Mapping[str, Any]) -> str:
+    about = str(summary.get("about", ""))
+    return f"{about[:1].upper()}{about[1:]}." if about else ""
+
+
+def _meant(outcome: str, summary: Mapping[str, Any]) -> str:
+    """The outcome in words, and whether it is as good as the scenario promises."""
+    meant = _OUTCOMES.get(outcome, "")
+    if not meant:
+        return ""
+    promise = "not what" if summary.get("unmet") else "as good as"
+    return f"{outcome.capitalize()}: {meant}; {promise} the scenario promises."
 
 
 def _goals(story: RunStory) -> str:
     rows = [
-        [_badge(g["status"]), escape(g["id"]), _time(g["time"]), _text(g["reason"] or "", "reason")]
+        [_badge(g["status"]), escape(g["id"]), _time(g["time"]), _text(in_words(g["reason"] or ""), "reason")]
         for g in story.goals()
     ]
     return _table(("", "goal", "at", "why"), rows)
@@ -91,9 +117,9 @@ def _goals(story: RunStory) -> str:
 def _timeline(story: RunStory) -> str:
     note = (
         "Of each timeline: planned at the earliest (thin, above), done (thick), planned at the latest (thin, below). "
-        "A red end: failed or called off."
+        "A red end: failed or called off. Times run from the start of the scenario. On narrow screens it scrolls."
     )
-    return f'<p class="note">{note}</p><div class="wide">{charts.timeline(story)}</div>'
+    return f'<p class="note">{note}</p><div class="wide" tabindex="0">{charts.timeline(story)}</div>'
 
 
 def _faults(story: RunStory) -> str:
@@ -107,7 +133,8 @@ def _faults(story: RunStory) -> str:
         meant = texts.get(diagnosis) or diagnosis or ""
         times = [_time(fault.get("injected")), _time(fault.get("detected"))]
         answer = [escape(fault.get("response") or ""), _time(fault.get("recovered"))]
-        rows.append([escape(fault["name"]), *times, _text(meant), *answer])
+        consequence = "" if fault.get("injected") is not None else " (not injected)"
+        rows.append([escape(fault["name"]) + consequence, *times, _text(meant), *answer])
     return (
         _table(("fault", "occurred", "noticed", "taken for", "response", "recovered"), rows) if rows else "<p>None.</p>"
     )
@@ -118,7 +145,8 @@ def _plans(story: RunStory) -> str:
     for plan in story.summary.get("plans", ()):
         start, end = plan["horizon"]
         size = f"{plan['tokens']} tokens, {plan['constraints']} constraints"
-        effort = f"{plan['steps']} steps, {plan['solve_seconds']:.2f} s; {plan['deliberation_charged']} s charged"
+        thought = clock(plan["deliberation_charged"])
+        effort = f"{plan['steps']} steps in {plan['solve_seconds']:.2f} s; {thought} of mission time charged for it"
         rows.append([escape(plan["id"]), f"{clock(start)} to {clock(end)}", _text(plan["reason"]), size, effort])
     return _table(("plan", "covers", "why", "size", "planning"), rows) if rows else ""
 
@@ -128,14 +156,15 @@ def _flight_rules(story: RunStory) -> str:
     if rules is None:
         return ""
     if not rules["violations"]:
-        return f"<p>None of {rules['checked']} broken.</p>"
+        return f"<p>All {rules['checked']} kept, as checked every second from telemetry.</p>"
     rows = [[escape(v["rule"]), clock(v["start"]), clock(v["end"])] for v in rules["violations"]]
     return _table(("rule broken", "from", "to"), rows)
 
 
 def _plots(story: RunStory, readings: Readings) -> Iterator[str]:
     titles = {panel.path: panel.title for panel in panels_of(CHANNELS)}
-    for path, panel in readings.plots.items():
+    order = {path: number for number, path in enumerate(titles)}
+    for path, panel in sorted(readings.plots.items(), key=lambda item: order.get(item[0], len(order))):
         title = titles.get(path) or path.rpartition("/")[2].replace("_", " ")
         drawing = charts.plot(panel, title, story) if panel.rows else ""
         if drawing:
@@ -144,37 +173,53 @@ def _plots(story: RunStory, readings: Readings) -> Iterator[str]:
                 f' <span class="key" style="color:{charts.line_colour(n)}">{escape(name)}</span>'
                 for n, name in enumerate(names)
             )
-            yield f'<figure><figcaption>{escape(title)}{keys}</figcaption><div class="wide">{drawing}</div></figure>'
+            yield f"<figure><figcaption>{escape(title)}{keys}</figcaption>{drawing}</figure>"
 
 
 def _images(pictures: Sequence[Picture]) -> str:
-    rows = [[p for p in pictures if p.camera == camera] for camera in ("micas", "chase")]
-    return "".join(f'<div class="images">{"".join(map(_image, row))}</div>' for row in rows if row)
+    science = [p for p in pictures if p.camera == "micas"]
+    outside = [p for p in pictures if p.camera == "chase"]
+    outside = outside[:: max(1, math.ceil(len(outside) / _MOST_OUTSIDE))]
+    words = "What the science camera saw. Orange: the target as it was found; blue: stars that were recognised."
+    notes = (words, "The spacecraft from outside, as simulated.")
+    return "".join(
+        f'<p class="note">{note}</p>{_grid("images", map(_image, row))}'
+        for note, row in zip(notes, (science, outside), strict=True)
+        if row
+    )
 
 
 def _image(picture: Picture) -> str:
     source = f"data:{picture.media_type};base64,{b64encode(picture.blob).decode('ascii')}"
-    text = escape(f"{clock(picture.time)} {picture.caption or 'chase view'}")
-    return f'<figure><img alt="{text}" src="{source}"><figcaption>{text}</figcaption></figure>'
+    text = escape(f"{clock(picture.time)} {picture.caption}")
+    place = "science camera" if picture.camera == "micas" else "from outside"
+    img = f'<img alt="{place}: {text}" src="{source}">'
+    return f'<figure><div class="frame">{img}{_boxes(picture)}</div><figcaption>{text}</figcaption></figure>'
+
+
+def _boxes(picture: Picture) -> str:
+    """What was found in a picture of the science camera, drawn over it."""
+    boxes = []
+    for mark in picture.marks:
+        half, colour = HALF_PX[mark.kind], "#{:02x}{:02x}{:02x}".format(*COLOURS[mark.kind])
+        place = f'x="{mark.column - half:.0f}" y="{mark.row - half:.0f}" width="{2 * half:g}" height="{2 * half:g}"'
+        boxes.append(f'<rect {place} stroke="{colour}"/>')
+    return f'<svg viewBox="0 0 {IMAGE_PX} {IMAGE_PX}" aria-hidden="true">{"".join(boxes)}</svg>' if boxes else ""
+
+
+def _grid(style: str, figures: Iterable[str]) -> str:
+    content = "".join(figures)
+    return f'<div class="{style}">{content}</div>' if content else ""
 
 
 def _events(story: RunStory) -> str:
     lines = []
     for entry in story.events(*_TOLD, *_LEAST):
-        told = words.line(_humane(entry, story))
+        told = words.line(story.reasons.retold(entry))
         if told is not None:
             time, _, text = told[1].partition("  ")
             lines.append(f'<li class="{told[0].lower()}"><time>{time}</time> {_text(text)}</li>')
     return f'<ol class="events">{"".join(lines)}</ol>'
-
-
-def _humane(entry: dict[str, Any], story: RunStory) -> dict[str, Any]:
-    """The entry with its reason in words."""
-    if "reason" in entry and entry["event"] != "goal":
-        entry = entry | {"reason": story.reasons.say(str(entry["reason"]))}
-    if entry["event"] == "fault.detected" and entry.get("text"):
-        entry = entry | {"monitor": entry["text"]}
-    return entry
 
 
 def _table(heads: Iterable[str], rows: Sequence[Sequence[str]]) -> str:

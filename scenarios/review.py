@@ -5,11 +5,14 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from scenarios.errors import ScenarioError
 from scenarios.folder import RECORDING
 from scenarios.pictures import PicturesError, take_pictures
+from scenarios.progress import progress_bar
+from scenarios.times import seconds_of
 
 
 def recording_of(run_dir: Path) -> Path:
@@ -20,10 +23,23 @@ def recording_of(run_dir: Path) -> Path:
     return recording
 
 
-def take(recording: Path, out: Path) -> list[Path]:
-    """Pictures of every tab of a recording, in a folder that is made."""
+def moments_of(texts: Sequence[str] | None, out: Path | None) -> list[int] | None:
+    """The simulation seconds of --at; ScenarioError when one is no time, or no pictures were asked for."""
+    if texts and out is None:
+        raise ScenarioError("--at: says of when the pictures of --png are; give that too")
     try:
-        return take_pictures(recording, out)
+        return [seconds_of(text) for text in texts] if texts else None
+    except ValueError as error:
+        raise ScenarioError(f"--at: {error}") from error
+
+
+def take(recording: Path, out: Path, moments: Sequence[int] | None, quiet: bool) -> list[Path]:
+    """Pictures of every tab of a recording, in a folder that is made. `moments`: None for those that tell most."""
+    try:
+        with progress_bar("pictures", 1000, quiet) as (show, _):
+            return take_pictures(
+                recording, out, moments, tell=lambda taken, of: show(1000 * taken // of, f"{taken} of {of}")
+            )
     except PicturesError as error:
         raise ScenarioError(f"{recording}: {error}") from error
 

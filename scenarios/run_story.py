@@ -96,7 +96,7 @@ class RunStory:
         for entry in self.events("standby.entered", "plan.adopted"):
             if begun is not None:
                 yield Phase(begun[0], entry["t"], begun[1], begun[2])
-            begun = (entry["t"], str(entry.get("plan", "")), self.reasons.say(str(entry["reason"])))
+            begun = (entry["t"], str(entry.get("plan", "")), str(self.reasons.retold(entry)["reason"]))
         if begun is not None:
             yield Phase(begun[0], self.last, begun[1], begun[2])
 
@@ -120,6 +120,9 @@ class RunStory:
         for entry in self.events("token.started", *_ENDS):
             key = (str(entry.get("plan")), entry["token"])
             if entry["event"] == "token.started":
+                plan, _, token = str(entry.get("continues", "")).partition("/")
+                if (before := running.pop((plan, token), None)) is not None:
+                    yield _stretch(before, entry["t"], "finished", "goes on under the next plan")
                 running[key] = entry
                 continue
             if key not in running:  # a plan that joins takes running tokens over, under names of its own

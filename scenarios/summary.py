@@ -31,6 +31,7 @@ def summarize(
     p50, p99 = (_percentile(dispatch.latencies, share) for share in (0.5, 0.99))
     return {
         "scenario": scenario.name,
+        "about": scenario.summary,
         "seed": seed,
         "outcome": executive.outcome,
         "expected": scenario.expect.faulted if faults else scenario.expect.nominal,

@@ -19,10 +19,14 @@ LOG = "/log"
 CAMERA_LOG = "/log/camera"
 SITUATION = "/situation"
 CHASE = "/camera/chase"
+CHASE_CAPTION = "/camera/chase/caption"
 CAMERA_FALLBACK = "/camera/micas"
 LANES_A_TAB = 7
+_LEVELS = ("DEBUG", "INFO", "WARN", "ERROR")
+_GOALS = ("Goals; amber: begun, green: achieved", "Goals; orange: dropped, red: missed")
 _LANE_HEIGHT, _HEADER_HEIGHT, _VIEWS_HEIGHT = 71.0, 142.0, 810.0
-_LEGEND = 0.17  # of the mission, kept free at the right of the plot of bounds for its legend
+_LEGEND = 0.09  # of the mission, kept free at the right of plots for their legends
+_LONG_LEGEND = 0.17  # the same for the plot of bounds
 _MARGIN = 0.025  # of the mission at either end, so that the first and the last label of an axis fit
 
 
@@ -32,14 +36,15 @@ def camera_path(scene: Scene) -> str:
 
 
 class Layout:
-    """Builds the blueprint. `start`, `end`: the mission in Unix seconds; every view opens on all of it."""
+    """Builds the blueprint. `start`, `end`: the mission in simulation seconds; every view opens on all of it."""
 
-    def __init__(self, start: float, end: float) -> None:
-        bound, margin = rrb.TimeRangeBoundary.absolute, _MARGIN * (end - start)
-        first = bound(seconds=start - margin)
-        self._axis = rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=bound(seconds=end + margin)))
-        beyond = bound(seconds=end + _LEGEND * (end - start))
-        self._axis_beside_legend = rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=beyond))
+    def __init__(self, start: int, end: int) -> None:
+        def axis(right: float) -> rrb.TimeAxis:
+            bound, length = rrb.TimeRangeBoundary.absolute, end - start
+            first, last = bound(seconds=start - _MARGIN * length), bound(seconds=end + right * length)
+            return rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=last))
+
+        self._axis, self._axis_of_plots, self._axis_of_bounds = axis(_MARGIN), axis(_LEGEND), axis(_LONG_LEGEND)
 
     def build(
         self,
@@ -81,23 +86,18 @@ class Layout:
                 time_view=self._axis,
             )
             below = rrb.Horizontal(
-                *(self._goals(path) for path in GOALS_PATHS),
-                rrb.Vertical(
-                    rrb.StateTimelineView(
-                        origin=FAULTS_PATH, name="Faults, from injection to recovery", time_view=self._axis
-                    ),
-                    self._log("What happened", ["INFO", "WARN", "ERROR"]),
-                    row_shares=[1.25, 1],
-                ),
-                column_shares=[1, 1, 1.5],
+                *(self._states(path, name) for path, name in zip(GOALS_PATHS, _GOALS, strict=True)),
+                self._states(FAULTS_PATH, "Faults, from injection to recovery"),
+                self._log("What happened", _LEVELS[1:]),
+                column_shares=[1, 1, 1.1, 1.6],
             )
             lanes = _LANE_HEIGHT * len(group) + _HEADER_HEIGHT
             name = "Mission" if number == 1 else f"Mission {number}"
             tabs.append(rrb.Vertical(chart, below, row_shares=[lanes, _VIEWS_HEIGHT - lanes], name=name))
         return tabs
 
-    def _goals(self, path: str) -> Any:
-        return rrb.StateTimelineView(origin=path, name="Goals", titlebar=False, time_view=self._axis)
+    def _states(self, path: str, name: str) -> Any:
+        return rrb.StateTimelineView(origin=path, name=name, time_view=self._axis)
 
     def _attitude(self, scene: Scene, panels: Sequence[Panel]) -> Any:
         reach = scene.extent()
@@ -119,18 +119,20 @@ class Layout:
         if lanes:
             height = len(lanes) * _LANE_HEIGHT + 60
             left = (_VIEWS_HEIGHT - height) / max(1.0, sum(shares))
-            views.append(self._lanes("Engine and power, planned earliest / executed / planned latest", lanes))
+            views.append(self._lanes("What draws power: planned earliest / executed / planned latest", lanes))
             shares = [*(share * left for share in shares), height]
         return [rrb.Vertical(*views, row_shares=shares, name="Power")] if views else []
 
     def _camera(self, scene: Scene, lanes: Sequence[str]) -> Any:
-        science = rrb.Spatial2DView(origin=camera_path(scene), name="Science camera: last image before the cursor")
-        chase = rrb.Spatial2DView(origin=CHASE, name="Chase view")
-        images = rrb.Horizontal(science, chase, self._log("Images", None, CAMERA_LOG), column_shares=[3, 3, 2])
+        name = "Science camera at the cursor; orange: the target, blue: stars recognised"
+        science = rrb.Spatial2DView(origin=camera_path(scene), name=name)
+        chase = rrb.Spatial2DView(origin=CHASE, name="The spacecraft from outside, as simulated")
+        log = self._log("Images", None, CAMERA_LOG, columns=["body"])
+        images = rrb.Horizontal(science, chase, log, column_shares=[3, 3, 2])
         if not lanes:
             return rrb.Vertical(images, name="Camera")
         height = len(lanes) * _LANE_HEIGHT + 60
-        chart = self._lanes("Camera, planned earliest / executed / planned latest", lanes)
+        chart = self._lanes("Camera: planned earliest / executed / planned latest", lanes)
         return rrb.Vertical(images, chart, row_shares=[_VIEWS_HEIGHT - height, height], name="Camera")
 
     def _network(self, lanes: int) -> Any:
@@ -138,15 +140,16 @@ class Layout:
         graph = rrb.GraphView(origin=NETWORK, name="Plan in force at the cursor", visual_bounds=bounds)
         funnels = rrb.TimeSeriesView(
             origin=BOUNDS,
-            name="Start bounds narrowing until execution, minutes after the first earliest start",
-            axis_x=self._axis_beside_legend,
+            name="When each may start: earliest and latest, in minutes after the earliest that its plan first gave",
+            axis_x=self._axis_of_bounds,
             plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         )
         return rrb.Vertical(graph, funnels, row_shares=[1.3, 1], name="Plan network")
 
     def _events(self) -> Any:
         page = rrb.TextDocumentView(origin=SITUATION, name="How things stand at the cursor")
-        return rrb.Horizontal(self._log("All events", None), page, column_shares=[3, 2], name="Events")
+        log = self._log("Events; level TRACE, of probes and acknowledgements, is left out", _LEVELS)
+        return rrb.Horizontal(log, page, column_shares=[2, 1], name="Events")
 
     def _plots(self, tab: str, panels: Sequence[Panel]) -> Any:
         views, shares = self._panel_views(tab, panels)
@@ -158,20 +161,24 @@ class Layout:
             if panel.tab != tab:
                 continue
             if panel.state:
-                views.append(rrb.StateTimelineView(origin=panel.path, name=panel.title, time_view=self._axis))
+                views.append(self._states(panel.path, panel.title))
                 shares.append((len(panel.channels) * 20 + 80) / 250)
             else:
                 legend = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=len(panel.channels) > 1)
-                plot = rrb.TimeSeriesView(origin=panel.path, name=panel.title, axis_x=self._axis, plot_legend=legend)
+                plot = rrb.TimeSeriesView(
+                    origin=panel.path, name=panel.title, axis_x=self._axis_of_plots, plot_legend=legend
+                )
                 views.append(plot)
-                shares.append(1.0)
+                shares.append(1.5 if len(panel.channels) > 1 else 1.0)
         return views, shares
 
     def _lanes(self, name: str, paths: Sequence[str]) -> Any:
         return rrb.StateTimelineView(origin="/mission", contents=list(paths), name=name, time_view=self._axis)
 
-    def _log(self, name: str, levels: list[str] | None, origin: str = LOG) -> Any:
+    def _log(
+        self, name: str, levels: Sequence[str] | None, origin: str = LOG, columns: Sequence[str] = ("loglevel", "body")
+    ) -> Any:
         hidden = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
-        columns = rrb.TextLogColumns(timeline_columns=hidden, text_log_columns=["loglevel", "body"])
-        rows = rrb.TextLogRows(filter_by_log_level=levels) if levels else None
-        return rrb.TextLogView(origin=origin, name=name, columns=columns, rows=rows)
+        shown = rrb.TextLogColumns(timeline_columns=hidden, text_log_columns=list(columns))
+        rows = rrb.TextLogRows(filter_by_log_level=list(levels)) if levels else None
+        return rrb.TextLogView(origin=origin, name=name, columns=shown, rows=rows)

@@ -11,7 +11,7 @@ from scenarios.words import most_like
 
 HEADER_PATH = "/mission/0_plan_planner_fault_goals"
 FAULTS_PATH = "/faults"
-GOALS_PATHS = ("/goals/left", "/goals/right")
+GOALS_PATHS = ("/goals/1", "/goals/2")
 _PLAN, _PLANNER, _FAULT, _GOALS = range(4)
 _PLAN_COLOURS = (BLUE, 0x0F766EFF, 0x5B43C8FF, 0x3F6212FF)
 _STAGES = {
@@ -217,4 +217,4 @@ class GoalsBoard:
         counts = {status: sum(s == status for s in self.status.values()) for status in ("dropped", "missed")}
         achieved = sum(status == "achieved" for status in self.status.values())
         lost = [f", {count} {status}" for status, count in counts.items() if count]
-        return f"goals {achieved}/{len(self.status)}" + "".join(lost)
+        return f"{achieved} of {len(self.status)} achieved" + "".join(lost)

@@ -10,14 +10,14 @@ import rerun as rr
 
 from planner.plan import Bounds, FlexiblePlan, PlanToken
 from scenarios.recording.stream import Stream
-from scenarios.recording.style import GREY, RED, Palette, dim, entity, lighten, token_label
+from scenarios.recording.style import GREY, LINES, RED, Palette, dim, entity, lighten, token_label
 
 NETWORK = "/network"
 BOUNDS = "/bounds"
-COLUMNS = 11
+COLUMNS = 9
 NOW_COLUMN = 2
-STEP_X, STEP_Y = 150.0, 62.0
-_LABEL_LENGTH = 19
+STEP_X, STEP_Y = 190.0, 62.0
+_LABEL_LENGTH = 26
 _MOST_TIMEPOINTS = 8
 
 
@@ -113,7 +113,7 @@ class _Header:
     lanes: tuple[str, ...]
 
     def nodes(self) -> tuple[list[str], list[str], list[int], list[tuple[float, float]]]:
-        """Names of lanes at the left, `done`, `now` and `next` above the columns."""
+        """Names of lanes at the left, `done`, `now` and `next` above the columns, and what red means."""
         grey = lighten(GREY)
         ids, labels, colours, positions = [], [], [], []
         for name, column in (("done", 0.5), ("now", float(NOW_COLUMN)), ("next", NOW_COLUMN + 1.0)):
@@ -121,6 +121,10 @@ class _Header:
             labels.append(name)
             colours.append(0xFFFFFFFF if name == "now" else grey)
             positions.append((column * STEP_X, 0.0))
+        ids.append("column failed")
+        labels.append("red: failed or called off")
+        colours.append(RED)
+        positions.append((-1.0 * STEP_X, 0.0))
         for row, lane in enumerate(self.lanes):
             ids.append(f"lane {lane}")
             labels.append(lane)
@@ -164,8 +168,7 @@ class BoundsView:
     What the next plan has again keeps its colour, and its line in the legend.
     """
 
-    def __init__(self, palette: Palette) -> None:
-        self._palette = palette
+    def __init__(self) -> None:
         self._funnels: dict[str, _Funnel] = {}
         self._colours: dict[str, int] = {}
 
@@ -181,10 +184,7 @@ class BoundsView:
             assert base is not None
             label = token_label(token.predicate, token.parameters)
             path = f"{BOUNDS}/{entity(plan_id)}/{number}_{entity(label)}"
-            shade = 0.1 + 0.5 * (len(self._colours) % 3) / 2
-            colour = self._colours.setdefault(
-                label, lighten(self._palette.colour(token.predicate, token.parameters), shade)
-            )
+            colour = self._colours.setdefault(label, LINES[len(self._colours) % len(LINES)])
             style = rr.SeriesLines(
                 names=[label] * 2,
                 colors=np.array([colour, colour], np.uint32),

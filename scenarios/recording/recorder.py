@@ -11,14 +11,15 @@ import numpy as np
 import rerun as rr
 
 from planner.plan import FlexiblePlan
+from scenarios.recording import marks as boxes
 from scenarios.recording import story
-from scenarios.recording.blueprint import CAMERA_LOG, CHASE, LOG, SITUATION, Layout, camera_path
+from scenarios.recording.blueprint import CAMERA_LOG, CHASE, CHASE_CAPTION, LOG, SITUATION, Layout, camera_path
 from scenarios.recording.boards import GoalsBoard, HeaderLane
 from scenarios.recording.lanes import Lane, TimelineLane, lane_paths
 from scenarios.recording.network import BoundsView, NetworkView, hosts_by_timeline
-from scenarios.recording.scene import Quaternion, Scene, draw_static
+from scenarios.recording.scene import IMAGE_PX, Quaternion, Scene, draw_static
 from scenarios.recording.stream import Stream
-from scenarios.recording.style import Palette, elapsed, token_label
+from scenarios.recording.style import LEVELS, Palette, elapsed, token_label
 from scenarios.recording.telemetry import Channel, Telemetry, panels_of
 from scenarios.words import Reasons
 
@@ -46,7 +47,8 @@ class RunRecorder:
 
     `epoch`: Unix seconds of simulation second 0. `horizon`: the mission in simulation seconds; all views open on it.
     `lanes`: timelines as `object.attribute`, top to bottom; tokens of others are not drawn. `power_lanes` and
-    `camera_lanes`: those of them that the tabs Power and Camera repeat. Times never go back from one call to the next.
+    `camera_lanes`: those of them that the tabs Power and Camera repeat. `about`: what the run is to show, the first
+    line of the log. Times never go back from one call to the next.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class RunRecorder:
         telemetry: Sequence[Channel],
         power_lanes: Sequence[str] = (),
         camera_lanes: Sequence[str] = (),
+        about: str = "",
     ) -> None:
         names = tuple(lanes)
         paths = dict(zip(names, lane_paths("/mission", names), strict=True))
@@ -66,7 +69,7 @@ class RunRecorder:
             if name not in paths:
                 raise ValueError(f"recording lanes: expected one of {', '.join(names)}, found {name!r}")
         panels = panels_of(telemetry)
-        layout = Layout(epoch + horizon[0], epoch + horizon[1]).build(
+        layout = Layout(*horizon).build(
             scene, list(paths.values()), panels, [paths[n] for n in power_lanes], [paths[n] for n in camera_lanes]
         )
         self._stream = Stream(path, epoch, layout)
@@ -74,7 +77,7 @@ class RunRecorder:
         self._palette = Palette()
         self._lanes = {name: TimelineLane(path, self._palette) for name, path in paths.items()}
         self._header, self._goals = HeaderLane(), GoalsBoard()
-        self._network, self._bounds = NetworkView(names, self._palette), BoundsView(self._palette)
+        self._network, self._bounds = NetworkView(names, self._palette), BoundsView()
         self._telemetry = Telemetry(self._stream, scene, panels)
         self._running: dict[str, str] = {}
         self._goals_of: dict[str, list[str]] = {}
@@ -88,6 +91,9 @@ class RunRecorder:
         self._handlers = self._handler_table()
         self._open = True
         draw_static(self._stream, scene)
+        boxes.draw_frame(self._stream, camera_path(scene), IMAGE_PX)
+        if about:
+            self._log(horizon[0], "INFO", f"{elapsed(horizon[0])}  {about}")
         self._stream.flush()
 
     def telemetry(
@@ -110,10 +116,10 @@ class RunRecorder:
         self._advance(time)
         kind = str(entry.get("event", ""))
         self._reasons.tell(entry)
-        told = story.line(entry)
+        told = story.line(self._reasons.retold(entry))
         if told is not None:
             level, text = told
-            self._stream.at(time, LOG, rr.TextLog(text, level=level))
+            self._log(time, level, text)
             if kind in _MILESTONES:
                 self._milestones.append(text)
         handler = self._handlers.get(kind)
@@ -136,8 +142,15 @@ class RunRecorder:
         self._take_over()
         self._flush()
 
-    def image(self, time: int, pixels: Pixels, camera: Literal["micas", "chase"], caption: str) -> None:
-        """An image, rows by columns by RGB, of the science camera or of the view from outside."""
+    def image(
+        self,
+        time: int,
+        pixels: Pixels,
+        camera: Literal["micas", "chase"],
+        caption: str,
+        found: Sequence[boxes.Mark] = (),
+    ) -> None:
+        """An image, rows by columns by RGB, of the science camera, with what was found in it, or from outside."""
         if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.dtype != np.uint8:
             raise ValueError(
                 f"image of {camera!r} at {time}: expected (h, w, 3) of uint8, found {pixels.shape} of {pixels.dtype}"
@@ -146,7 +159,8 @@ class RunRecorder:
         path = CHASE if camera == "chase" else camera_path(self._scene)
         self._stream.at(time, path, rr.Image(pixels).compress(jpeg_quality=JPEG_QUALITY))
         if camera == "micas":
-            self._stream.at(time, CAMERA_LOG, rr.TextLog(f"{elapsed(time)}  {caption}", level="INFO"))
+            boxes.draw(self._stream, time, path, found)
+        self._log(time, "DEBUG", f"{elapsed(time)}  {caption}", CAMERA_LOG if camera == "micas" else CHASE_CAPTION)
 
     def close(self) -> None:
         """Send all that is left and close the file. What a plan still had to come is not drawn. Safe to call twice."""
@@ -169,6 +183,9 @@ class RunRecorder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _log(self, time: int, level: str, text: str, path: str = LOG) -> None:
+        self._stream.at(time, path, rr.TextLog(text, level=level, color=LEVELS[level]))
 
     def _advance(self, time: int) -> None:
         if time > self._now:
@@ -216,7 +233,7 @@ class RunRecorder:
             "run.started": lambda t, e: self._stream.name(f"{e.get('scenario', 'run')}, seed {e.get('seed', '?')}"),
             "plan.requested": self._plan_requested,
             "plan.adopted": lambda t, e: header.adopted(t, str(e.get("plan")), int(e.get("handover", t))),
-            "plan.failed": lambda t, e: header.failed(t, str(e.get("reason", ""))),
+            "plan.failed": lambda t, e: header.failed(t, self._reasons.say(str(e.get("reason", "")))),
             "goal": self._goal_changed,
             "token.started": self._token_started,
             "token.finished": self._token_ended,
@@ -248,7 +265,7 @@ class RunRecorder:
         self._header.fault_detected(time, name, str(entry.get("text") or entry.get("diagnosis") or ""))
 
     def _standby_entered(self, time: int, entry: Mapping[str, Any]) -> None:
-        self._header.standby(time, self._reasons.say(str(entry.get("reason", ""))))
+        self._header.standby(time, self._reasons.waits(str(entry.get("reason", ""))))
         self._in_force, self._coming = "", None
         for lane in self._lanes.values():
             lane.stop_plan(time)

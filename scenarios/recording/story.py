@@ -51,14 +51,15 @@ def _acknowledged(entry: Entry) -> tuple[str, str]:
 
 def _adopted(entry: Entry) -> tuple[str, str]:
     tokens = f", {entry['tokens']} tokens" if "tokens" in entry else ""
-    handover = elapsed(int(entry.get("handover", entry["t"])))
-    return "INFO", f"plan adopted: {entry.get('plan')}{tokens}, in force from {handover}{_because(entry)}"
+    handover = int(entry.get("handover", entry["t"]))
+    start = f", in force from {elapsed(handover)}" if handover != entry["t"] else ""
+    return "INFO", f"plan adopted: {entry.get('plan')}{tokens}{start}{_because(entry)}"
 
 
 def _requested(entry: Entry) -> tuple[str, str]:
-    attempt = f", attempt {entry['attempt']}" if "attempt" in entry else ""
-    budget = f", {_short(entry['budget'])} s to think" if "budget" in entry else ""
-    return "INFO", f"plan requested{_because(entry)}{attempt}{budget}"
+    attempt = f", attempt {entry['attempt']}" if entry.get("attempt", 1) != 1 else ""
+    budget = f", {elapsed(int(entry['budget']))} to think" if "budget" in entry else ""
+    return "INFO", f"plan requested{attempt}{budget}{_because(entry)}"
 
 
 def _answered(entry: Entry) -> tuple[str, str]:
@@ -70,8 +71,7 @@ def _answered(entry: Entry) -> tuple[str, str]:
 def _detected(entry: Entry) -> tuple[str, str]:
     name = entry.get("name") or entry.get("monitor") or "fault"
     told = entry.get("text") or entry.get("diagnosis")
-    diagnosis = f": {told}" if told else ""
-    return "ERROR", f"fault detected: {name}{diagnosis}"
+    return "ERROR", f"fault detected: {told} (monitor {name})" if told else f"fault detected: {name}"
 
 
 _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
@@ -86,14 +86,14 @@ _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
     "token.confirmed": lambda e: ("DEBUG", f"start confirmed: {_token(e)}"),
     "token.finished": _finished,
     "token.failed": lambda e: ("ERROR", f"failed: {_token(e)}{_because(e)}"),
-    "token.aborted": lambda e: ("WARN", f"called off: {_token(e)}{_because(e)}"),
+    "token.aborted": lambda e: ("DEBUG", f"called off: {_token(e)}{_because(e)}"),
     "command.sent": lambda e: (
-        "TRACE",
+        "TRACE" if str(e.get("token", "")).startswith("probe") else "DEBUG",
         f"command {e.get('id')}: {e.get('name')}({_short(e.get('arguments') or {})}) for {e.get('token')}",
     ),
     "command.acknowledged": _acknowledged,
-    "command.timeout": lambda e: ("WARN", f"command {e.get('id')} had no effect in time"),
-    "violation": lambda e: ("WARN", f"violation, {e.get('kind')}: {_short(e.get('detail'))}"),
+    "command.timeout": lambda e: ("DEBUG", f"command {e.get('id')} had no effect in time"),
+    "violation": lambda e: ("DEBUG", f"violation, {e.get('kind')}: {_short(e.get('detail'))}"),
     "standby.entered": lambda e: ("WARN", f"standby{_because(e)}"),
     "standby.left": lambda e: ("INFO", "standby left"),
     "fault.injected": lambda e: ("ERROR", f"fault occurs, unknown aboard: {e.get('name')}"),

@@ -1,4 +1,8 @@
-"""The recording's file: one timeline, `sim_time`, with exact times, and the three ways to write to it."""
+"""The recording's file: one timeline, `sim_time`, with exact times, and the three ways to write to it.
+
+Times are durations since second 0, as they are in the journal, the log and the report; the date of second 0 is a
+property of the recording.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +41,6 @@ class Stream:
         self._path = path
         self._patience_s = patience_s
         self._lost = False
-        self._epoch_ns = round(epoch * _NS)
         self._recording = rr.RecordingStream(APPLICATION)
         try:
             self._recording.save(path, default_blueprint=layout)
@@ -45,7 +48,7 @@ class Stream:
             raise OSError(EIO, str(error), str(path)) from error
         self._recording.set_log_time_enabled(False)
         self._recording.set_log_tick_enabled(False)
-        self._recording.send_property(EPOCH_PROPERTY, rr.AnyValues(epoch_ns=self._epoch_ns))
+        self._recording.send_property(EPOCH_PROPERTY, rr.AnyValues(epoch_ns=round(epoch * _NS)))
 
     def name(self, text: str) -> None:
         """What the viewer calls this recording."""
@@ -57,13 +60,13 @@ class Stream:
 
     def at(self, time: int, path: str, *content: Any) -> None:
         """Write at one simulation second."""
-        self._recording.set_time(TIMELINE, timestamp=np.datetime64(self._epoch_ns + time * _NS, "ns"))
+        self._recording.set_time(TIMELINE, duration=np.timedelta64(time * _NS, "ns"))
         self._recording.log(path, *content)
 
     def columns(self, path: str, times: Sequence[int] | np.ndarray[Any, np.dtype[np.int64]], columns: Any) -> None:
         """Write many rows at once. `times`: simulation seconds, ascending, one a row."""
-        instants = (np.asarray(times, np.int64) * _NS + self._epoch_ns).view("datetime64[ns]")
-        column = rr.TimeColumn(TIMELINE, timestamp=instants)
+        instants = (np.asarray(times, np.int64) * _NS).view("timedelta64[ns]")
+        column = rr.TimeColumn(TIMELINE, duration=instants)
         self._recording.send_columns(path, [column], columns)
 
     def flush(self) -> None:

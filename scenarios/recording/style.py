@@ -17,6 +17,10 @@ AMBER = 0xC79A2EFF
 GREEN = 0x1F8A5BFF
 GREY = 0x4B5563FF
 BLUE = 0x2B5C9EFF
+LEVELS = {"TRACE": 0x8A94A3FF, "DEBUG": 0xA9B4C4FF, "INFO": 0xF1F4F8FF, "WARN": 0xF3B25BFF, "ERROR": 0xFF8A8AFF}
+"""Colours of the log's texts, all readable on black."""
+LINES = (0x4C9BE8FF, 0xE8883AFF, 0x34B27BFF, 0xC778DDFF, 0xE2C044FF, 0x3FC1C9FF, 0xE86A92FF, 0x9AA5B1FF, 0xB8DE6FFF)
+"""Colours of the lines of plots, apart from each other and readable on black."""
 _MAGENTA = 0xA21CAFFF
 _THRUST = 0xC2501EFF
 _HUES = (
@@ -75,15 +79,15 @@ def lighten(colour: int, share: float = 0.45) -> int:
 
 
 def token_label(predicate: str, parameters: Mapping[str, Any]) -> str:
-    """The predicate and its first two decided parameters: `PointAt Earth`, `Thrusting 6`."""
+    """The predicate and its first two decided parameters, a number with its name: `PointAt Earth`, `thrust level 6`."""
     decided = []
-    for value in parameters.values():
+    for name, value in parameters.items():
         if isinstance(value, str):
             decided.append(value.rpartition(".")[2] or value)
         elif isinstance(value, bool):
             continue
         elif isinstance(value, int | float):
-            decided.append(f"{value:g}")
+            decided.append(f"{name} {value:g}")
     short = predicate.rpartition(".")[2] or predicate
     return " ".join([short, *decided[:2]])
 

@@ -12,10 +12,9 @@ import rerun as rr
 from scenarios.recording.lanes import Block, Lane
 from scenarios.recording.scene import CRAFT, THRUST, Quaternion, Scene, plume_vectors
 from scenarios.recording.stream import Stream
-from scenarios.recording.style import AMBER, GREEN, GREY, Palette, entity
+from scenarios.recording.style import AMBER, GREEN, GREY, LINES, Palette, entity
 
 _CAPACITY = 512
-_LINES = (0x4C9BE8FF, 0xE8883AFF, 0x34B27BFF, 0xC778DDFF, 0xE2C044FF, 0x3FC1C9FF, 0xE86A92FF, 0x9AA5B1FF)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +23,8 @@ class Channel:
 
     `name`: its key in the values of a sample. `tab`: `Attitude`, `Power`, or any other, which becomes a tab of its own.
     `panel`: the plot in that tab, its title with the unit; channels with one tab and panel share it. `state`: the value
-    is a word or a flag, drawn as a lane, not a number. `label`: for the legend, else the name.
+    is a word or a flag, drawn as a lane, not a number. `label`: for the legend, else the name. `scale`: what the value
+    is multiplied with to have the unit of the title.
     """
 
     name: str
@@ -32,6 +32,7 @@ class Channel:
     panel: str
     state: bool = False
     label: str = ""
+    scale: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,9 @@ class Telemetry:
     def __init__(self, stream: Stream, scene: Scene, panels: Sequence[Panel]) -> None:
         self._scene = scene
         self._panels = [panel for panel in panels if not panel.state]
-        self._names = [channel.name for panel in self._panels for channel in panel.channels]
+        channels = [channel for panel in self._panels for channel in panel.channels]
+        self._names = [channel.name for channel in channels]
+        self._scales = np.array([channel.scale for channel in channels])
         self._times = np.zeros(_CAPACITY, np.int64)
         self._values = np.zeros((_CAPACITY, len(self._names)))
         self._attitudes_xyzw = np.zeros((_CAPACITY, 4))
@@ -107,7 +110,7 @@ class Telemetry:
         first = 0
         for panel in self._panels:
             last = first + len(panel.channels)
-            block = self._values[:count, first:last]
+            block = self._values[:count, first:last] * self._scales[first:last]
             columns = rr.Scalars.columns(scalars=block.ravel()).partition([last - first] * count)
             stream.columns(panel.path, times, columns)
             first = last
@@ -167,7 +170,7 @@ def _style(stream: Stream, panel: Panel) -> None:
     count = len(panel.channels)
     style = rr.SeriesLines(
         names=[channel.label or channel.name for channel in panel.channels],
-        colors=np.array([_LINES[i % len(_LINES)] for i in range(count)], np.uint32),
+        colors=np.array([LINES[i % len(LINES)] for i in range(count)], np.uint32),
         widths=[1.5] * count,
     )
     stream.static(panel.path, style)

@@ -13,7 +13,6 @@ from rerun.chunk import RrdReader
 
 from planner.plan import FlexiblePlan, PlanTimeline, PlanToken
 from scenarios.recording import RunRecorder, Scene
-from tests.scenarios import recorded_run as run
 
 HEADER = "/mission/0_plan_planner_fault_goals"
 
@@ -21,7 +20,7 @@ HEADER = "/mission/0_plan_planner_fault_goals"
 class Recorded:
     """All rows of a recording: times in simulation seconds, and values by entity path and component."""
 
-    def __init__(self, path: Path, epoch: float = run.EPOCH) -> None:
+    def __init__(self, path: Path) -> None:
         self.times: dict[str, list[int]] = defaultdict(list)
         self.values: dict[tuple[str, str], list[tuple[int, Any]]] = defaultdict(list)
         self.static: dict[str, set[str]] = defaultdict(set)
@@ -34,7 +33,7 @@ class Recorded:
                 self.static[name].update(batch.schema.names)
                 continue
             assert "sim_time" in batch.schema.names
-            nanoseconds = np.array(batch.column("sim_time").cast("int64").to_pylist(), np.int64) - round(epoch * 1e9)
+            nanoseconds = np.array(batch.column("sim_time").cast("int64").to_pylist(), np.int64)
             assert not (nanoseconds % 1_000_000_000).any()
             seconds = (nanoseconds // 1_000_000_000).tolist()
             self.times[name] += seconds

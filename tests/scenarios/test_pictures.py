@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.pictures import PicturesError, read_moment, take_pictures
+from scenarios.pictures import PicturesError, read_moments, take_pictures
 from tests.scenarios import recorded_run as run
 from tests.scenarios.recorded import event, small
 
@@ -20,13 +20,11 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_cursor_is_put_on_the_detection(recording: Path, tmp_path: Path) -> None:
-    epoch_ns, moment = read_moment(recording)
-    assert epoch_ns == round(run.EPOCH * 1e9)
-    assert moment == run.DETECTED
+    assert read_moments(recording) == [run.DETECTED, run.END]
     with small(tmp_path / "r.rrd") as recorder:
         recorder.event(event(0, "run.started", scenario="x", seed=1))
         recorder.event(event(1000, "run.finished", outcome="completed"))
-    assert read_moment(tmp_path / "r.rrd") == (0, 500)
+    assert read_moments(tmp_path / "r.rrd") == [500]
 
 
 @pytest.mark.gl

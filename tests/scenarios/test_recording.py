@@ -16,10 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rerun.chunk import RrdReader
 
-from scenarios.pictures import read_moment
-from scenarios.recording import Camera, Channel, Geom, RunRecorder, Scene
+from scenarios.pictures import read_moments
+from scenarios.recording import Camera, Channel, Geom, Mark, RunRecorder, Scene
 from scenarios.recording.lanes import EARLIEST, EXECUTED, LATEST
-from scenarios.recording.network import chosen_tokens
+from scenarios.recording.network import NOW_COLUMN, STEP_X, chosen_tokens
 from scenarios.recording.story import SILENT, line
 from scenarios.recording.style import elapsed, entity, token_label
 from tests.scenarios import recorded_run as run
@@ -41,13 +41,13 @@ def read(recording: Path) -> Recorded:
 
 def test_the_header_tells_plan_planner_fault_and_goals(read: Recorded) -> None:
     before = read.shown(HEADER, run.FAULT - 1)
-    assert before == ["in_force:plan-01", "", "", "goals 7/15"]
+    assert before == ["in_force:plan-01", "", "", "7 of 15 achieved"]
     assert read.shown(HEADER, run.FAULT)[2] == "fault:micas-stuck-on: not yet detected"
     assert read.shown(HEADER, run.DETECTED)[2] == "fault:micas-stuck-on: detected, camera switch stuck on"
     assert read.shown(HEADER, run.REQUESTED)[:2] == ["in_force:plan-01", "planner:planning: camera stuck on"]
     assert read.shown(HEADER, run.ADOPTED)[:2] == ["in_force:plan-01", "planner:plan-02 ready"]
     after = read.shown(HEADER, run.HANDOVER)
-    assert after == ["in_force:plan-02", "", "fault:micas-stuck-on: handled by plan-02", "goals 7/15, 5 dropped"]
+    assert after == ["in_force:plan-02", "", "fault:micas-stuck-on: handled by plan-02", "7 of 15 achieved, 5 dropped"]
 
 
 def test_planned_bounds_enclose_every_executed_start(read: Recorded) -> None:
@@ -71,7 +71,7 @@ def test_planned_bounds_enclose_every_executed_start(read: Recorded) -> None:
 
 
 def test_goals_go_from_pending_to_their_end(read: Recorded) -> None:
-    shown = [*read.shown("/goals/left", run.END - 1), *read.shown("/goals/right", run.END - 1)]
+    shown = [*read.shown("/goals/1", run.END - 1), *read.shown("/goals/2", run.END - 1)]
     assert {s.partition(":")[0] for s in shown} == {
         *(f"thrust-{i}" for i in (1, 2, 3)),
         *(f"image-{i}{k}" for i in (1, 2) for k in range(4)),
@@ -80,7 +80,7 @@ def test_goals_go_from_pending_to_their_end(read: Recorded) -> None:
     assert sum(s.endswith(":dropped") for s in shown) == 5
     assert sum(s.endswith(":achieved") for s in shown) == 9
     assert "thrust-3:active" in shown
-    start = [*read.shown("/goals/left", 0), *read.shown("/goals/right", 0)]
+    start = [*read.shown("/goals/1", 0), *read.shown("/goals/2", 0)]
     assert start.count("thrust-1:active") == 1
     assert sum(s.endswith(":pending") for s in start) == 14
 
@@ -139,7 +139,7 @@ def test_bounds_narrow_and_end_at_execution(read: Recorded) -> None:
         known = [row for row in rows if not math.isnan(row[1])]
         assert all(a[1] <= b[1] <= b[2] <= a[2] for a, b in pairwise(known)), name
         assert math.isnan(rows[-1][1]), name
-    executed = [(t, low, high) for t, (low, high) in read.values["/bounds/plan-01/3_Thrusting_7", "scalars"]]
+    executed = [(t, low, high) for t, (low, high) in read.values["/bounds/plan-01/3_Thrusting_level_7", "scalars"]]
     assert executed[-2][1] == executed[-2][2]
     assert executed[-1][0] == executed[-2][0] + 1
 
@@ -153,14 +153,14 @@ def test_the_network_shows_the_present_in_one_column(read: Recorded) -> None:
     _, _, second = run.journal()
     for timeline in second.timelines:
         columns = [now[slot[0]][0] for slot in timeline.slots if slot[0] in now]
-        assert columns == [300.0 + 150.0 * i for i in range(len(columns))]
+        assert columns == [(NOW_COLUMN + i) * STEP_X for i in range(len(columns))]
 
 
 def test_the_log_skips_observations_and_leads_with_elapsed_time(read: Recorded) -> None:
     texts = read.texts()
     assert texts[0].startswith("00:00:00  run started: made-up, seed 4")
     assert texts[-1] == "12:00:00  run ended: degraded"
-    assert "06:03:00  fault detected: micas.mode: camera switch stuck on" in texts
+    assert "06:03:00  fault detected: camera switch stuck on (monitor micas.mode)" in texts
 
 
 def test_the_situation_page_follows_the_run(read: Recorded) -> None:
@@ -184,7 +184,7 @@ def test_what_was_flushed_survives_a_kill(tmp_path: Path) -> None:
     assert read.times["/world/spacecraft"][-1] >= 7 * run.HOUR - 3600
     assert read.shown(HEADER, 7 * run.HOUR)[0] == "in_force:plan-02"
     assert labels(read.shown("/mission/1_sc.attitude", run.FAULT))[EXECUTED] == "PointAt thrust_vector"
-    assert read_moment(path)[1] == run.DETECTED
+    assert read_moments(path)[0] == run.DETECTED
 
 
 def test_a_run_without_events_is_a_readable_recording(tmp_path: Path) -> None:
@@ -192,7 +192,7 @@ def test_a_run_without_events_is_a_readable_recording(tmp_path: Path) -> None:
         recorder.close()
     recorder.close()
     assert RrdReader(tmp_path / "r.rrd").blueprints()
-    assert read_moment(tmp_path / "r.rrd") == (0, 0)
+    assert read_moments(tmp_path / "r.rrd") == [0]
 
 
 def test_entries_that_nobody_knows_are_told_and_harmless(tmp_path: Path) -> None:
@@ -201,7 +201,7 @@ def test_entries_that_nobody_knows_are_told_and_harmless(tmp_path: Path) -> None
         recorder.event(event(5, "token.finished", token="ghost"))
         recorder.event(event(6, "fault.response", response="none needed"))
         recorder.event(event(7, "bounds", changes={"ghost.start": [1, None]}))
-    assert "00:00:05  something.new: colour=blue" in Recorded(tmp_path / "r.rrd", 0.0).texts()
+    assert "00:00:05  something.new: colour=blue" in Recorded(tmp_path / "r.rrd").texts()
 
 
 def test_missing_channels_are_gaps_and_stale_samples_are_left_out(tmp_path: Path) -> None:
@@ -211,7 +211,7 @@ def test_missing_channels_are_gaps_and_stale_samples_are_left_out(tmp_path: Path
         recorder.telemetry(0, {"a": 9.0, "b": 9.0}, run.UNIT)
         recorder.telemetry(10, {"b": 2.0, "m": "x"}, run.UNIT)
         recorder.telemetry(20, {"a": 3.0, "b": 4.0}, run.UNIT)
-    read = Recorded(tmp_path / "r.rrd", 0.0)
+    read = Recorded(tmp_path / "r.rrd")
     rows = read.values["/telemetry/Power/P", "scalars"]
     assert str(rows) == str([(0, [1.0, math.nan]), (10, [math.nan, 2.0]), (20, [3.0, 4.0])])
     assert read.lane("/states/Other/S") == [(0, ["m: x"]), (20, [""])]
@@ -244,14 +244,33 @@ def test_wrong_images_lanes_and_directions_are_refused(tmp_path: Path) -> None:
 def test_a_scene_without_a_camera_shows_images_all_the_same(tmp_path: Path) -> None:
     with small(tmp_path / "r.rrd") as recorder:
         recorder.image(3, np.zeros((8, 8, 3), np.uint8), "micas", "dark")
-    assert [t for t, _ in Recorded(tmp_path / "r.rrd", 0.0).values["/camera/micas", "blob"]] == [3]
+    assert [t for t, _ in Recorded(tmp_path / "r.rrd").values["/camera/micas", "blob"]] == [3]
+
+
+def test_what_was_found_in_an_image_goes_with_it(tmp_path: Path) -> None:
+    """Boxes at the middles of the pixels meant; the next image without any takes them away."""
+    dark = np.zeros((8, 8, 3), np.uint8)
+    with small(tmp_path / "r.rrd") as recorder:
+        recorder.image(3, dark, "micas", "two", [Mark("star", 1.0, 2.5), Mark("target", 4.0, 4.0, "rock")])
+        recorder.image(5, dark, "micas", "none")
+    read = Recorded(tmp_path / "r.rrd")
+    assert read.values["/camera/micas/star", "centers"] == [(3, [[1.5, 3.0]]), (5, [])]
+    assert read.values["/camera/micas/target", "centers"] == [(3, [[4.5, 4.5]]), (5, [])]
+    assert read.values["/camera/micas/target", "labels"] == [(3, ["rock"]), (5, [])]
+
+
+def test_a_channel_is_recorded_in_the_unit_of_its_title(tmp_path: Path) -> None:
+    channels = (Channel("a", "Power", "P (mN)", scale=1000.0), Channel("b", "Power", "P (mN)"))
+    with RunRecorder(tmp_path / "r.rrd", Scene(), 0.0, (0, 100), [], channels) as recorder:
+        recorder.telemetry(0, {"a": 0.5, "b": 2.0}, run.UNIT)
+    assert Recorded(tmp_path / "r.rrd").values["/telemetry/Power/P_mN", "scalars"] == [(0, [500.0, 2.0])]
 
 
 def test_a_camera_looks_along_its_boresight(tmp_path: Path) -> None:
     scene = Scene(camera=Camera((0, 0, 1), (0, 0, 2)))
     with RunRecorder(tmp_path / "r.rrd", scene, 0.0, (0, 1), [], ()):
         pass
-    chunks = [c for c in Recorded(tmp_path / "r.rrd", 0.0).chunks if str(c.entity_path) == "/world/spacecraft/camera"]
+    chunks = [c for c in Recorded(tmp_path / "r.rrd").chunks if str(c.entity_path) == "/world/spacecraft/camera"]
     matrix = next(c.to_record_batch().column("Transform3D:mat3x3").to_pylist()[0][0] for c in chunks)
     columns = np.array(matrix).reshape(3, 3)  # rerun keeps matrices column by column
     assert columns[2] == pytest.approx([0, 0, 1])
@@ -266,7 +285,8 @@ def test_elapsed_and_labels() -> None:
         *("00:00:00", "01:01:01", "23:59:59", "2d 11:54:07", "-00:00:05"),
     ]
     assert (
-        token_label("Domain.PointAt", {"target": "targets.Earth", "exact": True, "rate": 2.50}) == "PointAt Earth 2.5"
+        token_label("Domain.PointAt", {"target": "targets.Earth", "exact": True, "rate": 2.50})
+        == "PointAt Earth rate 2.5"
     )
     assert token_label("Wait", {"left": ("a", "b"), "span": {"min": 0, "max": 3}}) == "Wait"
 
@@ -315,4 +335,4 @@ def test_what_the_planner_answers_and_what_is_confirmed_are_lines_not_data() -> 
         "diagnosis": "switch stuck",
         "text": "it sticks",
     }
-    assert line(detected) == ("ERROR", "00:00:02  fault detected: switch: it sticks")
+    assert line(detected) == ("ERROR", "00:00:02  fault detected: it sticks (monitor switch)")

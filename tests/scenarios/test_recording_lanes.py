@@ -27,7 +27,7 @@ def test_a_plan_is_drawn_only_while_it_is_in_force(tmp_path: Path) -> None:
         recorder.event(of_token(430, "token.finished", "plan-02", "a", "Run", verdict="on_time"))
         recorder.event(of_token(430, "token.started", "plan-02", "b", "Off"))
         recorder.event(event(1000, "run.finished", outcome="completed"))
-    rows = Recorded(tmp_path / "r.rrd", 0.0).lane("/mission/1_sc.mode")
+    rows = Recorded(tmp_path / "r.rrd").lane("/mission/1_sc.mode")
     assert [(t, labels(states)) for t, states in rows] == [
         (0, ["plan:Off", "Off", "plan:Off"]),
         (100, ["plan:Run", "Off", "plan:Off"]),
@@ -52,7 +52,7 @@ def test_gaps_unbounded_times_and_tokens_past_the_horizon(tmp_path: Path) -> Non
     with small(tmp_path / "r.rrd") as recorder:
         recorder.plan("plan-01", plan, 0)
         recorder.telemetry(500, {}, run.UNIT)
-    rows = Recorded(tmp_path / "r.rrd", 0.0).lane("/mission/1_sc.mode")
+    rows = Recorded(tmp_path / "r.rrd").lane("/mission/1_sc.mode")
     assert [(t, labels(states)) for t, states in rows] == [
         (0, ["plan:Off", "", "plan:Off"]),
         (100, ["", "", "plan:Off"]),
@@ -73,7 +73,7 @@ def test_failed_and_aborted_tokens_stay_until_something_else_starts(tmp_path: Pa
         recorder.event(of_token(35, "token.finished", "plan-01", "a", "Turn", verdict="late"))
         recorder.event(of_token(40, "token.aborted", "plan-01", "b", "Hold"))
         recorder.event(event(50, "run.finished", outcome="failed"))
-    rows = Recorded(tmp_path / "r.rrd", 0.0).lane("/mission/1_sc.mode")
+    rows = Recorded(tmp_path / "r.rrd").lane("/mission/1_sc.mode")
     executed = [(t, labels(states)[EXECUTED]) for t, states in rows]
     assert executed == [(0, ""), (10, "Turn"), (20, "failed:Turn"), (30, "Hold"), (40, "aborted:Hold"), (50, "")]
 
@@ -87,7 +87,7 @@ def test_standby_ends_the_plan(tmp_path: Path) -> None:
         recorder.event(event(160, "standby.entered", reason="no plan"))
         recorder.event(event(700, "standby.left"))
         recorder.telemetry(800, {}, run.UNIT)
-    read = Recorded(tmp_path / "r.rrd", 0.0)
+    read = Recorded(tmp_path / "r.rrd")
     assert [t for t, _ in read.lane("/mission/1_sc.mode")] == [0, 160]
     header = [(t, states[:2]) for t, states in read.lane(HEADER)]
     assert header == [

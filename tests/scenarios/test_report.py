@@ -14,9 +14,11 @@ import pytest
 
 from scenarios.charts import Axis, timeline
 from scenarios.errors import ScenarioError
+from scenarios.recording import Mark
 from scenarios.recording.reading import read
 from scenarios.report import page_of, write_report
 from scenarios.run_story import RunStory
+from scenarios.words import in_words
 from tests.scenarios.conftest import Flown
 from tests.scenarios.recorded import event, of_token, plan_of, small, token
 
@@ -56,7 +58,7 @@ def test_the_page_tells_the_run(faulted: Flown) -> None:
     assert 'name="viewport"' in text
     for goal in faulted.summary["goals"]:
         assert goal["id"] in text
-        assert escape(goal["reason"] or "") in text
+        assert escape(in_words(goal["reason"] or "")) in text
     assert text.count('<span class="badge achieved">') == 6
     for words in ("micas-stuck-on occurs", "plan-02 takes over", escape("the camera's power switch does not go off")):
         assert words in text
@@ -114,13 +116,16 @@ def test_pictures_are_embedded_as_recorded(tmp_path: Path) -> None:
     pixels = np.random.default_rng(0).integers(0, 255, (32, 32, 3), dtype=np.uint8)
     with small(tmp_path / "run.rrd") as recorder:
         recorder.event(event(0, "run.started", scenario="x", seed=1))
-        recorder.image(7, pixels, "micas", "image 1 of a rock")
+        found = [Mark("star", 3.0, 4.0), Mark("target", 16.25, 15.5, "rock")]
+        recorder.image(7, pixels, "micas", "image 1 of a rock", found)
         recorder.image(9, pixels, "chase", "outside")
     readings = read(tmp_path / "run.rrd")
     assert [(p.time, p.camera, p.caption) for p in readings.pictures] == [
         (7, "micas", "image 1 of a rock"),
-        (9, "chase", ""),
+        (9, "chase", "outside"),
     ]
+    assert {(m.kind, m.column, m.row) for m in readings.pictures[0].marks} == {("star", 3, 4), ("target", 16.25, 15.5)}
+    assert readings.pictures[1].marks == ()
     assert all(p.blob.startswith(b"\xff\xd8\xff") for p in readings.pictures)
     text = page_of(RunStory([event(0, "run.started", scenario="x", seed=1)], {}, {}, (0, 10), 10), readings)
     sources = Page(text).loads

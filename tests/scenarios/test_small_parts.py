@@ -43,6 +43,12 @@ def test_a_plan_is_given_up_for_what_was_concluded_then() -> None:
     assert reasons.say("late: not ended after 9 s") == "something took too long: not ended after 9 s"
     assert in_words("initial") == "the first plan"
     assert in_words("whatever: it was") == "whatever: it was"
+    assert in_words("next horizon from 259200 s") == "next horizon from 3d 00:00:00"
+    assert in_words("too much, at 3600: a uses 150") == "too much, at 01:00:00: a uses 150"
+    failed = {"t": 9, "event": "token.failed", "reason": "unconfirmed: whatever"}
+    assert reasons.retold(failed)["reason"] == "the switch is stuck"
+    assert reasons.retold(failed | {"t": 10})["reason"] == "a command had no effect: whatever"
+    assert reasons.waits("initial") == "waiting for the first plan"
 
 
 def test_a_fault_is_handled_once_a_plan_that_knew_of_it_takes_over() -> None:
@@ -122,3 +128,14 @@ def test_a_token_that_a_joining_plan_takes_over_ends_under_its_new_name() -> Non
     story = RunStory(entries, {}, {}, (0, 100), 100)
     done = [(stretch.start, stretch.end, stretch.state) for _, stretch in story._done()]
     assert done == [(0, 50, "finished"), (60, 100, "running")]
+
+
+def test_a_token_that_goes_on_under_the_next_plan_is_drawn_once_at_a_time() -> None:
+    place = {"object": "engine", "attribute": "mode", "predicate": "Engine.standby", "parameters": {}}
+    entries = [
+        {"t": 0, "event": "token.started", "plan": "plan-01", "token": "t9", **place},
+        {"t": 40, "event": "token.started", "plan": "plan-02", "token": "t1", "continues": "plan-01/t9", **place},
+        {"t": 50, "event": "token.finished", "plan": "plan-02", "token": "t1", "ended": 50, **place},
+    ]
+    story = RunStory(entries, {}, {}, (0, 100), 100)
+    assert [(stretch.start, stretch.end) for _, stretch in story._done()] == [(0, 40), (40, 50)]
