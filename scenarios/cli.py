@@ -306,11 +306,12 @@ def review_run(
 @app.command("bench")
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Which: planner, temporal, executive, sim, run; without any, all.")
+        list[str] | None,
+        typer.Argument(help="Which: planner, temporal, executive, sim, run, survival; without any, all."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """The project's own benchmarks, ratios beside the figures; each takes up to some minutes."""
+    """The project's own benchmarks, ratios beside the figures; each takes up to some minutes, survival ten."""
     from planner.errors import nearest
     from scenarios.benchmarks.registry import BENCHMARKS
     from scenarios.errors import ScenarioError

@@ -38,13 +38,26 @@ def new_folder(wanted: Path | None, name: str) -> Path:
 
 
 def folder_to_resume(wanted: Path | None) -> Path:
-    """The folder of a run that was broken off; ScenarioError when it holds none."""
+    """The folder of a run that was broken off; ScenarioError when it holds none.
+
+    One that was killed before its first entry gets an empty journal: nothing had happened.
+    """
     if wanted is None:
         raise ScenarioError("--resume: give the folder of the run that was broken off with --out")
     if not (wanted / JOURNAL).is_file():
-        raise ScenarioError(f"{wanted}: expected a run folder with {JOURNAL}, found none")
+        if not _is_as_made(wanted):
+            raise ScenarioError(f"{wanted}: expected a run folder with {JOURNAL}, found none")
+        (wanted / JOURNAL).touch()
     (wanted / PLANS).mkdir(exist_ok=True)
     return wanted
+
+
+def _is_as_made(folder: Path) -> bool:
+    """Whether there is nothing but what `new_folder` makes, and perhaps a recording that was begun."""
+    plans = folder / PLANS
+    return (
+        plans.is_dir() and not any(plans.iterdir()) and {path.name for path in folder.iterdir()} <= {PLANS, RECORDING}
+    )
 
 
 @contextmanager

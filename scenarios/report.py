@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from planner.files import write_whole
 from scenarios import charts
 from scenarios.errors import RunBrokenError, ScenarioError
 from scenarios.folder import RECORDING, REPORT
@@ -43,7 +44,7 @@ def write_report(folder: Path, to: Path | None = None) -> Path:
     page = page_of(RunStory.load(folder), read(folder / RECORDING))
     target = folder / REPORT if to is None else to
     try:
-        target.write_text(page, encoding="utf-8")
+        write_whole(target, page)
     except OSError as error:
         failure = RunBrokenError if to is None else ScenarioError  # to a file that was asked for: bad input
         raise failure(f"{target}: {error.strerror}") from error

@@ -32,5 +32,6 @@ BENCHMARKS = {
         Benchmark("executive", "controllability checks, decisions, the dispatcher's share of a run", ("executive",)),
         Benchmark("sim", "the closed loop against the same physics in one C call", ("sim",)),
         Benchmark("run", "wall seconds of a scenario by phase", ("flight",)),
+        Benchmark("survival", "50 runs killed at random instants and resumed", ("survival",)),
     )
 }

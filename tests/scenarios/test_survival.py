@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.folder import JOURNAL
+from scenarios.folder import JOURNAL, PLANS
 from tests.scenarios.commands import remote_agent
 from tests.scenarios.conftest import Flown
 
@@ -30,12 +30,14 @@ def test_a_replay_finds_a_changed_line(faulted: Flown, tmp_path: Path) -> None:
     assert answer.json()["first_difference"]["line"] == number + 1
 
 
-@pytest.mark.parametrize("share", [0.43, 0.97])
-def test_a_broken_off_run_goes_on_to_the_same_journal(faulted: Flown, tmp_path: Path, share: float) -> None:
+@pytest.mark.parametrize("share", [None, 0.97])
+def test_a_broken_off_run_goes_on_to_the_same_journal(faulted: Flown, tmp_path: Path, share: float | None) -> None:
+    """None: killed when there was no journal yet."""
     whole = (faulted.folder / JOURNAL).read_bytes()
     folder = tmp_path / "run"
-    folder.mkdir()
-    (folder / JOURNAL).write_bytes(whole[: int(share * len(whole))])
+    (folder / PLANS).mkdir(parents=True)
+    if share is not None:
+        (folder / JOURNAL).write_bytes(whole[: int(share * len(whole))])
     options = ("--fault", "micas-stuck-on", "--no-images", "--json", "--out", folder)
     answer = remote_agent("run", "opnav-12h", *options, "--resume")
     assert answer.status == 0
