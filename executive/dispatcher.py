@@ -194,7 +194,7 @@ class Dispatcher:
         found, time, deadline = kernel.decide(self._cells, self._ready, now, how, self._done, 0)
         if not found:
             return None
-        return Decision(time, tuple(self._done[:found, 0].tolist()), None if deadline == _NEVER else deadline)
+        return Decision(int(time), tuple(self._done[:found, 0].tolist()), None if deadline == _NEVER else int(deadline))
 
     def perform_due(self, now: int, choice: Choice = "earliest", spared: Collection[int] = ()) -> Performed:
         """Perform what is due, and what is due in consequence, until nothing is: `next_decision` and `execute` in one.
@@ -208,7 +208,7 @@ class Dispatcher:
         )
         if spared:
             self._state[kernel.SPARED] = 0
-        return Performed(now, self._done[:count].tolist() if count else [], None if time == _NEVER else time)
+        return Performed(now, self._done[:count].tolist() if count else [], None if time == _NEVER else int(time))
 
     def _how(self, choice: Choice) -> int:
         if isinstance(choice, str):
@@ -244,7 +244,7 @@ class Dispatcher:
             raise ValueError(f"{name}: happened at {known}, told again at {time}")
         self._changed = changed
         missing = self._missing(timepoint) if blocked else ()
-        return _happened(timepoint, earliest, latest, time, missing)
+        return _happened(timepoint, int(earliest), int(latest), time, missing)
 
     def slack_if(self, timepoint: int, time: int) -> int:
         """The narrowest window left among the neighbours to come if the timepoint happened at `time`; for forecasts.
