@@ -15,7 +15,7 @@ from scenarios.times import clock
 WIDTH = 1000
 _PLOT_WIDTH = 560
 _LEFT, _RIGHT = 8, 12
-_LETTER = 5.7  # mean width of a letter of 10 units height
+_LETTER, _BOLD = 5.7, 6.5  # mean widths of letters of 10 units height
 _NAME, _THIN, _THICK, _GAP = 15, 8, 20, 9
 _MARKS = 44.0  # height of the words above the lanes
 _LINES = ("#2563a8", "#b34d12", "#187549", "#8a3fb0")
@@ -107,7 +107,7 @@ def _marks(story: RunStory, axis: Axis, bottom: float) -> Iterator[str]:
         others = [axis.x(e["t"]) for e in marks if e["event"] == entry["event"] and e is not entry]
         gaps = [abs(o - x) for o in others if (o > x) == (anchor == "start")]
         near = min(gaps, default=float(WIDTH))
-        letters = int(near * (0.5 if anchor == "end" or x + near >= 0.6 * WIDTH else 1.0) / _LETTER)
+        letters = int(near * (0.5 if anchor == "end" or x + near >= 0.6 * WIDTH else 1.0) / _BOLD)
         shown = text if len(text) <= letters else f"{text[: letters - 1]}…" if letters >= 4 else ""
         yield f'<line class="{style}" x1="{x}" y1="2" x2="{x}" y2="{bottom}"><title>{escape(text)}</title></line>'
         yield f'<text class="{style}" x="{x + offset}" y="{row}" text-anchor="{anchor}">{escape(shown)}</text>'
@@ -182,7 +182,7 @@ def _luminance(colour: str) -> float:
 
 def _look(stretch: Stretch, palette: Palette) -> tuple[str, str]:
     label = token_label(stretch.predicate, stretch.parameters)
-    return label, _hex(palette.colour(stretch.predicate.rpartition(".")[2], stretch.parameters))
+    return label, _hex(palette.colour(stretch.predicate, stretch.parameters))
 
 
 def _span(stretch: Stretch) -> str:

@@ -62,10 +62,16 @@ def main() -> None:
 
 
 @app.command("scenarios")
-def list_scenarios(as_json: AsJson = False) -> None:
+def list_scenarios(
+    template: Annotated[bool, typer.Option("--template", help="Print one to start your own from instead.")] = False,
+    as_json: AsJson = False,
+) -> None:
     """The scenarios that come with the project."""
-    from scenarios.config import built_in, load
+    from scenarios.config import built_in, load, template_text
 
+    if template:
+        print(template_text(), end="")
+        return
     rows = [{"name": name, "summary": load(name).summary} for name in built_in()]
     _print_rows(rows, ("name", "summary"), as_json)
 

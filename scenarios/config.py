@@ -240,6 +240,11 @@ def built_in() -> dict[str, Traversable]:
     }
 
 
+def template_text() -> str:
+    """A scenario to start one's own from, which says what every key means."""
+    return (files("scenarios") / "examples" / "template.toml").read_text(encoding="utf-8")
+
+
 def load(name_or_path: str) -> Scenario:
     """A built-in scenario by name, or one from a `.toml` file; ScenarioError says where it is wrong."""
     if name_or_path.endswith(".toml"):

@@ -14,7 +14,7 @@ from rich.text import Text
 from planner.plan import FlexiblePlan
 from scenarios.folder import RECORDING, REPORT, SUMMARY
 from scenarios.times import clock
-from scenarios.words import in_words
+from scenarios.words import MEANT, in_words
 
 _COLOURS = {"achieved": "green", "dropped": "yellow", "missed": "red"}
 _OUTCOMES = {"completed": "bold green", "degraded": "bold yellow", "standby": "bold red", "failed": "bold red"}
@@ -43,7 +43,10 @@ def print_summary(summary: dict[str, Any], folder: Path) -> None:
     console = Console(highlight=False, markup=False, soft_wrap=True)
     width = min(_WIDEST, shutil.get_terminal_size().columns)
     outcome = summary["outcome"]
-    console.print(Text.assemble(f"{summary['scenario']}, seed {summary['seed']}: ", (outcome, _OUTCOMES[outcome])))
+    meant = "" if summary["unmet"] else ", as good as the scenario promises"
+    head = f"{summary['scenario']}, seed {summary['seed']}: "
+    console.print(Text.assemble(head, (outcome, _OUTCOMES[outcome]), f" ({MEANT[outcome]}){meant}"))
+    console.print(_wrapped(summary["about"], width, "  "))
     widest = max((len(goal["id"]) for goal in summary["goals"]), default=0)
     for goal in summary["goals"]:
         at = "" if goal["time"] is None else f" at {clock(goal['time'])}"
@@ -62,12 +65,12 @@ def _lines(summary: dict[str, Any]) -> Iterator[str]:
         start, end = plan["horizon"]
         yield (
             f"{plan['id']}: {clock(start)} to {clock(end)}, {plan['tokens']} tokens, {plan['constraints']} "
-            f"constraints, planned in {plan['solve_seconds']:.2f} s; why: {plan['reason']}"
+            f"constraints, found in {plan['solve_seconds']:.2f} s; why: {plan['reason']}"
         )
     for fault in summary["faults"]:
         yield f"fault {fault_line(fault)}"
     rules = summary["flight_rules"]
-    yield f"flight rules: {len(rules['violations']) or 'none'} of {rules['checked']} broken"
+    yield f"flight rules broken: {len(rules['violations']) or 'none'}, {rules['checked']} were watched every second"
     for violation in rules["violations"]:
         yield f"  {violation['rule']} from {clock(violation['start'])} to {clock(violation['end'])}"
     yield from (f"not as declared: {words}" for words in summary["unmet"])
@@ -78,10 +81,10 @@ def _lines(summary: dict[str, Any]) -> Iterator[str]:
 
 def fault_line(fault: dict[str, Any]) -> str:
     """One fault of a summary in a line."""
-    when = "not injected" if fault["injected"] is None else f"injected at {clock(fault['injected'])}"
+    when = "was not injected" if fault["injected"] is None else f"injected at {clock(fault['injected'])}"
     if fault["detected"] is None:
         return f"{fault['name']}: {when}, not detected"
-    diagnosis = f" as {fault['diagnosis']}" if fault["diagnosis"] else ""
+    diagnosis = f", taken for {fault['diagnosis']}" if fault["diagnosis"] else ""
     return f"{fault['name']}: {when}, detected at {clock(fault['detected'])}{diagnosis}, response: {fault['response']}"
 
 

@@ -22,14 +22,8 @@ from scenarios.recording.telemetry import panels_of
 from scenarios.report_style import STYLE
 from scenarios.run_story import RunStory
 from scenarios.times import clock
-from scenarios.words import in_words
+from scenarios.words import MEANT, in_words
 
-_OUTCOMES = {
-    "completed": "every goal is achieved",
-    "degraded": "goals that could not be reached any more were dropped, all the others are achieved",
-    "standby": "goals are missed, and the spacecraft waits without a plan",
-    "failed": "goals are missed",
-}
 _MOST_OUTSIDE = 16
 _TOLD = ("run.started", "plan.adopted", "plan.failed", "goal", "token.failed", "standby.entered", "run.finished")
 _LEAST = ("fault.injected", "fault.detected", "fault.response", "fault.recovered", "fault.cleared")
@@ -100,7 +94,7 @@ def _about(summary: Mapping[str, Any]) -> str:
 
 def _meant(outcome: str, summary: Mapping[str, Any]) -> str:
     """The outcome in words, and whether it is as good as the scenario promises."""
-    meant = _OUTCOMES.get(outcome, "")
+    meant = MEANT.get(outcome, "")
     if not meant:
         return ""
     promise = "not what" if summary.get("unmet") else "as good as"

@@ -13,7 +13,7 @@ header p { margin: .3rem 0 0; color: var(--soft); }
 .badge.achieved, .badge.completed { background: #d5efe1; color: #11603c; }
 .badge.dropped, .badge.degraded { background: #fbe6c4; color: #7a4a05; }
 .badge.missed, .badge.failed, .badge.standby, .badge.not-finished { background: #fad4da; color: #8f1230; }
-table { border-collapse: collapse; width: 100%; }
+table { border-collapse: collapse; min-width: min(100%, 36rem); }
 th { text-align: left; font-size: .8rem; color: var(--soft); font-weight: 600; }
 th, td { padding: .3rem .7rem .3rem 0; vertical-align: top; border-bottom: 1px solid var(--rule);
   overflow-wrap: break-word; }

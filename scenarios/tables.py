@@ -13,7 +13,8 @@ def lines(figures: Mapping[str, object], indent: str = "") -> Iterator[str]:
             yield from lines(value, indent + "  ")
         elif isinstance(value, Sequence) and not isinstance(value, str):
             yield f"{indent}{name}:"
-            yield from _table([row for row in value if isinstance(row, Mapping)], indent + "  ")
+            rows = [row for row in value if isinstance(row, Mapping)]
+            yield from _table(rows, indent + "  ") if rows else [f"{indent}  none"]
         else:
             yield f"{indent}{name}: {_text(value)}"
 

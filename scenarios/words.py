@@ -19,6 +19,13 @@ _KINDS = {
     "dispatch": "the plan could not be kept",
     "standby": "standby was not reached",
 }
+MEANT = {
+    "completed": "every goal is achieved",
+    "degraded": "goals that were out of reach are dropped, all others achieved",
+    "standby": "goals are missed, and it waits without a plan",
+    "failed": "goals are missed",
+}
+"""What the outcomes of a run mean."""
 _FIRST = "initial"
 _SECONDS = re.compile(r"\b(at|from) (\d+)(?: s)?(?=[:;,.)]|$)")
 

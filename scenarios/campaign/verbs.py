@@ -85,9 +85,7 @@ def compare_campaigns(
     if as_json:
         print(json.dumps(found))
     else:
-        from scenarios.tables import lines
-
-        print("\n".join(lines(found)))
+        _print_comparison(found)
     raise typer.Exit(FELL_SHORT if found["regression"] else DONE)
 
 
@@ -96,10 +94,43 @@ def _print_campaign(found: dict[str, Any], folder: Path) -> None:
 
     rows = [_for_a_person(row) for row in found["table"]]
     worst = [{name: row[name] for name in ("run", "fault", "outcome", "folder")} for row in found["worst"]]
-    shown = {"runs": rows, "seconds on this machine": found["timing"], "worst, recorded": worst}
+    seconds = {_TIMINGS[name]: value for name, value in found["timing"].items()}
+    shown = {"by fault": rows, "seconds of a run on this machine": seconds, "worst runs, flown again to record": worst}
     print(f"{found['scenario']}: {found['runs']} runs, faults: {found['faults']}, seed {found['seed']}")
     print("\n".join(lines(shown)))
-    print(f"rows: {folder / 'runs.parquet'}")
+    print("\n".join(_LEGEND))
+    print(f"all runs, a row each: {folder / 'runs.parquet'}")
+
+
+def _print_comparison(found: dict[str, Any]) -> None:
+    from scenarios.tables import lines
+
+    runs, change = found["runs"], "was changed in between" if found["scenario_changed"] else "is the same"
+    print(f"{runs} runs compared, each with itself before and after; the scenario {change}")
+    print(f"runs that missed no goal within reach: {found['kept_before']} before, {found['kept_after']} after")
+    shown = {
+        "such runs before, but not after": found["lost"],
+        "such runs after, but not before": found["gained"],
+        "crashed, broke a flight rule, had an invalid plan or lost a goal without a reason, and did not before": found[
+            "newly_broken"
+        ],
+        "changes of a run's mean, after minus before, with 95 % confidence intervals": found["differences"],
+    }
+    print("\n".join(lines(shown)))
+    print(f"chance that so many runs or more differ one way if neither is better: {found['probability']:.3g} (McNemar)")
+    print("verdict: " + ("worse than before" if found["regression"] else "not worse than before"))
+
+
+_TIMINGS = {
+    "planning_s_median": "planning, median",
+    "planning_s_p99": "planning, 99 of 100 below",
+    "wall_s_median": "whole run, median",
+}
+_LEGEND = (
+    "kept: runs that missed no goal within reach; goals: achieved of all; replans: mean; steps: of search, median",
+    "makespan h: when the last achieved goal was; rules: of flight, broken; invalid: plans the judge rejects",
+    "unexplained: runs that lost a goal without a reason; [ ]: 95 % confidence interval",
+)
 
 
 def _for_a_person(row: dict[str, Any]) -> dict[str, str]:

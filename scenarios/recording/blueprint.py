@@ -169,7 +169,7 @@ class Layout:
                     origin=panel.path, name=panel.title, axis_x=self._axis_of_plots, plot_legend=legend
                 )
                 views.append(plot)
-                shares.append(1.5 if len(panel.channels) > 1 else 1.0)
+                shares.append(1.0 + min(0.5, 0.125 * (len(panel.channels) - 1)))
         return views, shares
 
     def _lanes(self, name: str, paths: Sequence[str]) -> Any:

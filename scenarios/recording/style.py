@@ -39,9 +39,9 @@ _HUES = (
 )
 _KINDS: tuple[tuple[str, int], ...] = (
     (r"(?i)^(off|idle|none|hold|inactive|standby|sleep|stow|safe|quiet|not_?)", GREY),
-    (r"(?i)(standby|idle|_off$|inactive)", GREY),
-    (r"(?i)(turn|slew|warm|start|stop|shut|switch|open|close|closing|transit|desat|unload|boot|prepar)", AMBER),
-    (r"(?i)(image|imaging|observe|observing|observation|photo|picture|expos)", _MAGENTA),
+    (r"(?i)(standby|idle|_off$|switchedoff|inactive)", GREY),
+    (r"(?i)(turn|slew|warm|start|stop|shut|switch(?!ed)|open|close|closing|transit|desat|unload|boot|prepar)", AMBER),
+    (r"(?i)(image|imaging|observe|observing|observation|photo|picture|expos|session)", _MAGENTA),
     (r"(?i)(thrust|burn|fire|firing)", _THRUST),
 )
 
@@ -57,7 +57,8 @@ class Palette:
         self._given: dict[str, int] = {}
 
     def colour(self, predicate: str, parameters: Mapping[str, Any]) -> int:
-        """0xRRGGBBAA of an activity."""
+        """0xRRGGBBAA of an activity; its class does not matter."""
+        predicate = predicate.rpartition(".")[2] or predicate
         for words, colour in _KINDS:
             if re.search(words, predicate):
                 return colour

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,7 @@ import pytest
 from executive.network import PlanNetwork
 from planner.problem import Problem
 from planner.temporal.controllability import check
-from scenarios.config import Scenario, built_in, load, parse
+from scenarios.config import Scenario, built_in, load, parse, template_text
 from scenarios.errors import ScenarioError
 from scenarios.faults import own_faults
 from scenarios.judging import violations_of
@@ -107,5 +106,4 @@ def test_a_file_is_a_scenario() -> None:
 
 
 def test_the_template_is_a_scenario() -> None:
-    template = Path(str(files("scenarios"))) / "examples" / "template.toml"
-    assert load(str(template)).expect.achieved == ("photos", "thrust")
+    assert parse(template_text(), "mine.toml").expect.achieved == ("photos", "thrust")
