@@ -68,7 +68,8 @@ def measure(seed: int = 1) -> dict[str, object]:
             table.append(
                 {"scenario": scenario, "phase": phase, "kills": len(those), "at_simulated_s": span, "same": same}
             )
-    return {"kills": len(rows), "same": len(rows) - len(strays), "rows": table, "differing": strays}
+    told = {"differing": strays} if strays else {}
+    return {"kills": len(rows), "same": len(rows) - len(strays), "rows": table, **told}
 
 
 def _of_scenario(scenario: str, rng: random.Random) -> Iterator[dict[str, Any]]:
