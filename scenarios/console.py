@@ -43,10 +43,10 @@ def print_summary(summary: dict[str, Any], folder: Path) -> None:
     console = Console(highlight=False, markup=False, soft_wrap=True)
     width = min(_WIDEST, shutil.get_terminal_size().columns)
     outcome = summary["outcome"]
-    meant = "" if summary["unmet"] else ", as good as the scenario promises"
-    head = f"{summary['scenario']}, seed {summary['seed']}: "
-    console.print(Text.assemble(head, (outcome, _OUTCOMES[outcome]), f" ({MEANT[outcome]}){meant}"))
-    console.print(_wrapped(summary["about"], width, "  "))
+    console.print(Text.assemble(f"{summary['scenario']}, seed {summary['seed']}: ", (outcome, _OUTCOMES[outcome])))
+    promise = "not what" if summary["unmet"] else "as good as"
+    console.print(_wrapped(f"{MEANT[outcome]}; {promise} the scenario promises", width, "  "))
+    console.print(_wrapped(f"about: {summary['about']}", width, "  "))
     widest = max((len(goal["id"]) for goal in summary["goals"]), default=0)
     for goal in summary["goals"]:
         at = "" if goal["time"] is None else f" at {clock(goal['time'])}"

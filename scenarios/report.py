@@ -114,7 +114,8 @@ def _timeline(story: RunStory) -> str:
         "Of each timeline: planned at the earliest (thin, above), done (thick), planned at the latest (thin, below). "
         "A red end: failed or called off. Times run from the start of the scenario. On narrow screens it scrolls."
     )
-    return f'<p class="note">{note}</p><div class="wide" tabindex="0">{charts.timeline(story)}</div>'
+    scrolled = '<div class="wide" tabindex="0" role="region" aria-label="timelines">'
+    return f'<p class="note">{note}</p>{scrolled}{charts.timeline(story)}</div>'
 
 
 def _faults(story: RunStory) -> str:

@@ -29,7 +29,7 @@ JPEG_QUALITY = 90
 _MILESTONES = frozenset(
     (
         *("run.started", "run.finished", "plan.adopted", "plan.failed", "goal", "token.failed"),
-        *("standby.entered", "standby.left"),
+        "standby.entered",
         *("fault.injected", "fault.detected", "fault.response", "fault.recovered", "fault.cleared"),
     )
 )

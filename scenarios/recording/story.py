@@ -95,7 +95,7 @@ _WORDS: dict[str, Callable[[Entry], tuple[str, str]]] = {
     "command.timeout": lambda e: ("DEBUG", f"command {e.get('id')} had no effect in time"),
     "violation": lambda e: ("DEBUG", f"violation, {e.get('kind')}: {_short(e.get('detail'))}"),
     "standby.entered": lambda e: ("WARN", f"standby{_because(e)}"),
-    "standby.left": lambda e: ("INFO", "standby left"),
+    "standby.left": lambda e: ("DEBUG", "standby left"),
     "fault.injected": lambda e: ("ERROR", f"fault occurs, unknown aboard: {e.get('name')}"),
     "fault.detected": _detected,
     "fault.response": lambda e: ("INFO", f"response: {_short(e.get('response'))}"),
