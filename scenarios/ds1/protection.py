@@ -57,6 +57,10 @@ DRIFT_RATE_RAD_S = 2.0e-4
 DRIFT_S = 10
 # With one thruster less a slew creeps to its end: that is not yet the second fault.
 DRIFT_AGAIN_S = 90
+# Settled, and off target longer than thrusters ever leave it: over this for 9 s at the most with pulses of 5 ms, never
+# with those of 1 ms. With a valve closed a pair pushes to one side only: found before an image is smeared by it.
+LOOSE_ERROR_RAD = 2.0e-4
+LOOSE_S = 60
 # A healthy slew turns at its limit of 2.62e-3 at the most.
 OVER_RATE_RAD_S = 3.4e-3
 OVER_RATE_S = 5
@@ -84,13 +88,20 @@ _DRIFTING = (
 
 
 def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[Monitor]:
-    """The attitude drifts off, or a slew runs away, while the thrusters steer in that mode.
+    """The attitude drifts off or is held loosely, or a slew runs away, while the thrusters steer in that mode.
 
     It speaks for a thruster that the mode depends on; once the other mode has been found wanting, against both.
     """
     steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
     settled = (_is("acs.state", "settled"),)
+    loose = (
+        *steering,
+        *settled,
+        Condition("acs.error_rad", ">", LOOSE_ERROR_RAD),
+        _is(concluded_channel(other), False),
+    )
+    yield Monitor(f"loose under {mode}", loose, LOOSE_S, first)
     for conclusion, known, words, persistence in (
         (first, False, "", DRIFT_S),
         (UNSTEADY, True, " too", DRIFT_AGAIN_S),

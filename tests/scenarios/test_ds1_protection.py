@@ -149,6 +149,16 @@ def test_a_thruster_that_stays_closed_is_worked_around_by_the_other_mode() -> No
     completed_in_one_plan(story)
 
 
+def test_a_thruster_that_stays_closed_shows_while_a_target_is_still_held() -> None:
+    """Loosely, and within the limits of being settled: found before an exposure is smeared."""
+    story = fly(ON_THRUSTERS, thruster_bx_closed=6600)
+    [found] = story.of("fault.detected")
+    assert (found["monitor"], found["diagnosis"]) == ("loose under x_for_y", X_THRUSTER_CLOSED.name)
+    assert 6660 <= found["t"] < 6800
+    completed_in_one_plan(story)
+    assert fly(ON_THRUSTERS).of("fault.detected") == []
+
+
 def test_where_neither_mode_of_the_thrusters_holds_the_wheels_do() -> None:
     """One thruster of either kind is gone: the second mode is given up as the first was."""
     story = fly(ON_THRUSTERS, thruster_bx_closed=2000, thruster_az_closed=2600)
