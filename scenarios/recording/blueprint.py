@@ -27,8 +27,7 @@ _GOALS = ("Goals; amber: begun, green: achieved", "Goals; orange: dropped, red: 
 _LANE_HEIGHT, _HEADER_HEIGHT, _VIEWS_HEIGHT = 71.0, 142.0, 810.0
 _LEGEND = 0.08  # of the mission, kept free at the right of plots for their legends
 _LONG_LEGEND = 0.16  # the same for the plot of bounds
-_MARGIN = 0.025  # of the mission before its start, so that the first label of an axis fits
-_LAST_LABEL = 0.04  # the same at its end
+_MARGIN = 0.025  # of the mission at either end, so that the labels of blocks and axes there fit
 
 
 def camera_path(scene: Scene) -> str:
@@ -45,7 +44,7 @@ class Layout:
             first, last = bound(seconds=start - _MARGIN * length), bound(seconds=end + right * length)
             return rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=last))
 
-        self._axis, self._axis_of_plots, self._axis_of_bounds = axis(_LAST_LABEL), axis(_LEGEND), axis(_LONG_LEGEND)
+        self._axis, self._axis_of_plots, self._axis_of_bounds = axis(_MARGIN), axis(_LEGEND), axis(_LONG_LEGEND)
 
     def build(
         self,

@@ -28,8 +28,9 @@ def test_the_cursor_is_put_on_the_detection(recording: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.gl
-def test_pictures_of_every_tab(recording: Path, tmp_path: Path) -> None:
+def test_pictures_of_every_tab(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every view draws without a report (take_pictures raises on one), and no viewer process is left."""
+    monkeypatch.setattr("scenarios.pictures._TOASTS_SECONDS", 0.0)
     psutil = pytest.importorskip("psutil")
     before = {process.pid for process in psutil.process_iter()}
     try:
