@@ -127,7 +127,7 @@ def _faults(story: RunStory) -> str:
     for fault in faults:
         diagnosis = fault.get("diagnosis")
         meant = texts.get(diagnosis) or diagnosis or ""
-        times = [_time(fault.get("injected")), _time(fault.get("detected"))]
+        times = [_time(fault.get("injected")), _time(fault.get("detected")) or "not noticed"]
         answer = [escape(fault.get("response") or ""), _time(fault.get("recovered"))]
         consequence = "" if fault.get("injected") is not None else " (not injected)"
         rows.append([escape(fault["name"]) + consequence, *times, _text(meant), *answer])
