@@ -16,6 +16,7 @@ from planner.errors import PlanFormatError, nearest
 from planner.plan import FlexiblePlan
 from planner.problem import Goal, TokenPattern
 from scenarios.errors import ScenarioError
+from scenarios.hardware import hardware_of
 from scenarios.times import seconds_of
 from sim import FAULTS, ConfigurationError, FaultRate, SpacecraftConfig
 from sim.faults import FaultSchedule
@@ -192,42 +193,7 @@ class Scenario(_Section):
 
     def spacecraft_config(self) -> SpacecraftConfig:
         """The hardware's configuration: its defaults with the scenario's changes; ValueError names a wrong field."""
-        values = {name: _spacecraft_value(name, value) for name, value in self.spacecraft.items()}
-        try:
-            return SpacecraftConfig(**values)
-        except ConfigurationError as error:
-            raise ValueError(f"spacecraft.{error}") from error
-
-
-def _spacecraft_value(name: str, value: object) -> Any:
-    """The value of a field of the hardware's configuration, of the type that its default has."""
-    default = getattr(_HARDWARE, name, None) if name in SpacecraftConfig.__dataclass_fields__ else None
-    if default is None or name == "targets":
-        known = [n for n in SpacecraftConfig.__dataclass_fields__ if n != "targets"]
-        raise ValueError(f"spacecraft: there is no field {name!r}{nearest(name, known)}")
-    if isinstance(default, tuple):
-        if isinstance(value, list) and len(value) == len(default) and all(map(_is_number, value)):
-            return tuple(map(float, value))
-        raise ValueError(f"spacecraft.{name}: expected {len(default)} numbers, found {value!r:.80}")
-    if isinstance(default, str):
-        if isinstance(value, str):
-            return value
-        raise ValueError(f"spacecraft.{name}: expected text, found {value!r:.80}")
-    if isinstance(default, int):
-        if isinstance(value, int) and not isinstance(value, bool):
-            return value
-        raise ValueError(f"spacecraft.{name}: expected a whole number, found {value!r:.80}")
-    if not _is_number(value):
-        raise ValueError(f"spacecraft.{name}: expected a number, found {value!r:.80}")
-    return value
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _LARGEST
-
-
-_HARDWARE = SpacecraftConfig()
-_LARGEST = 1e12
+        return hardware_of(self.spacecraft)
 
 
 def built_in() -> dict[str, Traversable]:

@@ -16,6 +16,9 @@ from scenarios.faults import own_faults
 from scenarios.judging import violations_of
 from scenarios.run import Flight, RunOptions
 from scenarios.summary import fell_short, unmet
+from sim.config import DEFAULT_TARGETS
+from sim.environment import Environment
+from sim.orbits import AU_M, Elements
 from tests.scenarios.commands import SMALL
 
 FLOWN_HERE = ("rax-12h", "rax-6h", "rax-hang")
@@ -107,3 +110,33 @@ def test_a_file_is_a_scenario() -> None:
 
 def test_the_template_is_a_scenario() -> None:
     assert parse(template_text(), "mine.toml").expect.achieved == ("photos", "thrust")
+
+
+def test_orbits_of_spacecraft_and_targets_can_be_given() -> None:
+    """In a line with the Sun on circles: distances by hand, and the run is flown where the file says."""
+    text = (
+        SMALL
+        + """
+[spacecraft.orbit]
+semimajor_axis_au = 1.0
+mean_anomaly_deg = 180.0
+[spacecraft.targets.asteroid_b]
+angular_diameter_rad = 0.0
+orbit = { semimajor_axis_au = 1.5, mean_anomaly_deg = 180.0 }
+[spacecraft.targets.asteroid_e]
+kind = "asteroid"
+orbit = { semimajor_axis_au = 2.0 }
+"""
+    )
+    scenario = parse(text, "orbits.toml")
+    config = scenario.spacecraft_config()
+    assert config.orbit == Elements(1.0, mean_anomaly_deg=180.0)
+    changed = {target.name: target for target in config.targets}
+    assert {name for name in changed if changed[name] not in DEFAULT_TARGETS} == {"asteroid_b", "asteroid_e"}
+    assert changed["asteroid_b"].magnitude == 9.0
+    sky = Environment(config)
+    assert sky.sun_distance_au(0.0) == pytest.approx(1.0, rel=1e-12)
+    assert sky.distance_m("asteroid_b", 0.0) == pytest.approx(0.5 * AU_M, rel=1e-12)
+    assert sky.distance_m("asteroid_e", 0.0) == pytest.approx(3.0 * AU_M, rel=1e-12)
+    summary = Flight(scenario, RunOptions(0, images=False)).fly_unrecorded()
+    assert (summary["outcome"], summary["flight_rules"]["violations"]) == ("completed", [])
