@@ -15,7 +15,11 @@ EXPOSURE_S = 30.0
 OBSERVED_LATE_S = 2
 """The hardware acts on whole seconds and telemetry shows it a second later."""
 CREEP_S = 120
-"""With thrusters alone, one of them closed: so much longer a slew takes to its end (measured: up to 90 s)."""
+"""With thrusters alone, one of them closed: so much longer a slew takes to its end (measured: up to 90 s).
+
+Thrusters that are all well keep the bounds of wheels, also after wheels that were lost, and a plan made then needs no
+others. Wheels lost and a valve closed are two faults: then a turn may outlast its bound, and is seen to.
+"""
 SAMPLE_S = 21_600
 """How often the Sun's distance is looked at over a horizon."""
 POWER_RESERVE_W = 20.0

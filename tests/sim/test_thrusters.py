@@ -9,6 +9,7 @@ from sim import Acknowledgement, Spacecraft, SpacecraftConfig
 from sim.components import thrusters
 from sim.components.ion_engine import STANDARD_GRAVITY_M_S2
 from sim.components.thrusters import MODES, NAMES, Thrusters
+from sim.slews import slew_bounds_between
 from tests.sim.flights import command, slew, until
 
 CONFIG = SpacecraftConfig()
@@ -189,3 +190,25 @@ def test_a_valve_stuck_open_is_cut_off_by_the_latch_valve(name):
     assert 31.1 - float(telemetry["rcs.hydrazine_kg"]) == pytest.approx(2.0 * flow_kg_s, abs=2e-4)
     assert telemetry["acs.state"] == "settled"
     assert float(telemetry["wheels.momentum_Nms"]) < 6.0
+
+
+@pytest.mark.parametrize("mode", ["x_for_y", "z_for_y"])
+def test_thrusters_in_place_of_lost_wheels_keep_the_bounds_of_turns(mode):
+    """What a planner counts on stays true when the actuators change, wheels still spinning and one without torque."""
+    config = SpacecraftConfig(wheel_initial_speed_rad_s=300.0)
+    craft = Spacecraft(config, 3)
+    craft.inject("wheel-2-fails", at_s=1)
+    craft.send("acs.actuators", {"name": "thrusters"})
+    craft.send("rcs.mode", {"mode": mode})
+    craft.advance(600)
+    here = "earth"
+    for there in ("asteroid_a", "thrust_a", "asteroid_c", "asteroid_d", "thrust_b", "earth"):
+        bounds = slew_bounds_between(craft.environment, config, here, there, 0.0, 43_200.0)
+        began_s = craft.time
+        assert craft.send("acs.point", {"target": there}).accepted
+        craft.advance(began_s + 5)
+        while craft.telemetry()["acs.state"] != "settled" and craft.time - began_s <= bounds.upper_s:
+            craft.advance(craft.time + 1)
+        assert bounds.lower_s <= craft.time - began_s <= bounds.upper_s, (here, there)
+        craft.advance(craft.time + 100)
+        here = there
