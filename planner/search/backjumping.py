@@ -11,6 +11,7 @@ from planner.database import PlanDatabase
 from planner.search.culprits import Culprits
 from planner.search.decisions import Decision
 from planner.search.depth_first import DepthFirst, Frame
+from planner.search.flaws import OpenToken
 from planner.search.outcome import Refusal, Request
 
 
@@ -33,7 +34,11 @@ class Backjumping(DepthFirst):
         while self.stack:
             frame = self.stack[-1]
             decision = next(frame.decisions, None)
+            if decision is None and isinstance(frame.flaw, OpenToken) and not frame.is_last:
+                frame.decisions, frame.is_last = frame.flaw.unfit(self.database), True
+                continue
             if decision is None:
+                self.exhausted(frame)
                 if not self.jump(frame.conflict | self.culprits.of_flaw(frame.flaw), leave=frame):
                     return False
                 continue

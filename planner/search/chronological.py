@@ -29,7 +29,7 @@ class Chronological(DepthFirst):
                     self.explain(inconsistency)
                     trail.pop_to(frame.depth)
                     outcome.backtracks += 1
-            self.stack.pop()
+            self.exhausted(self.stack.pop())
         return False
 
     def explain(self, inconsistency: Inconsistency) -> None:

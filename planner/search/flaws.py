@@ -44,28 +44,44 @@ class OpenToken:
 
     def _decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         token, tokens = self.token, database.tokens
-        hosts, places = self._openings or (tokens.hosts(token), tokens.places(token))
+        hosts, places = self._openings or tokens.fitting(token)
         for host in hosts:
             yield Codesignate(token, host)
-        if token.predicate.exogenous and token.role not in GIVEN:
-            pass  # only what the problem says is true can be its host
-        elif token.kind == "timeline":
-            for thing, position in places:
-                yield Insert(token, thing, position)
-        else:
+        if token.kind == "timeline":
+            yield from self._inserts(places)
+        elif not self._needs_host:
             for thing in objects_in(token.object.domain):
                 yield Activate(token, thing)
         if token.role == "rejectable":
             yield Reject(token)
 
+    def unfit(self, database: PlanDatabase) -> Iterator[Decision]:
+        """What bounds allow and constraints with what is near do not: tried only to be told why it fails."""
+        token, tokens = self.token, database.tokens
+        if token.kind == "timeline":
+            hosts, places = map(set, tokens.fitting(token))
+            all_hosts, all_places = tokens.openings(token)
+            yield from (Codesignate(token, host) for host in all_hosts if host not in hosts)
+            yield from self._inserts([place for place in all_places if place not in places])
+
+    def _inserts(self, places: Iterable[tuple[ModelObject, int]]) -> Iterator[Insert]:
+        if not self._needs_host:
+            yield from (Insert(self.token, thing, position) for thing, position in places)
+
+    @property
+    def _needs_host(self) -> bool:
+        """Only what the problem says is true can be its host."""
+        return self.token.predicate.exogenous and self.token.role not in GIVEN
+
     def count(self, database: PlanDatabase) -> int:
         """How many decisions there are. If they are few, they are those of the moment from now on."""
         token = self.token
-        hosts, places = database.tokens.openings(token)
+        some_hosts, some_places = database.tokens.fitting(token)
+        hosts, places = list(some_hosts), list(some_places)
         if len(hosts) + len(places) <= FEW:
             self._openings = hosts, places
         count = len(hosts) + (token.role == "rejectable")
-        if token.predicate.exogenous and token.role not in GIVEN:
+        if self._needs_host:
             return count
         return count + (len(places) if token.kind == "timeline" else len(objects_in(token.object.domain)))
 

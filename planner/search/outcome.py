@@ -60,7 +60,11 @@ class Outcome:
     conflict: tuple[int, str] | None = None
     refusal: str | None = None
 
+    def is_news(self, depth: int) -> bool:
+        """Whether a dead end so many decisions deep is nearer to the problem than the one kept so far."""
+        return self.conflict is None or depth < self.conflict[0]
+
     def note(self, depth: int, describe: Callable[[], str]) -> None:
         """Keep a dead end if it is nearer to the problem than the one kept so far; only then is it described."""
-        if self.conflict is None or depth < self.conflict[0]:
+        if self.is_news(depth):
             self.conflict = depth, describe()

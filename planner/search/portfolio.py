@@ -4,10 +4,15 @@ How long a backtracking search takes depends heavily on its early choices; givin
 tail off (Gomes, Selman and Kautz, "Boosting combinatorial search through randomization", AAAI 1998; algorithm
 portfolios: Huberman, Lukose and Hogg, Science 275, 1997). Slices are counted in backtracks, so that a search which goes
 straight on is not interrupted, and grow, so that whatever any of the searches finds or proves is found or proven.
+
+What one search learns, the next begins with: a token for which no decision was left comes the earlier, the more often
+that was so, in whichever search (after the weights of constraints in Boussemart, Hemery, Lecoutre and Sais, "Boosting
+systematic search by weighting constraints", ECAI 2004). Within a slice the weights stand still.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from time import perf_counter
 
@@ -17,16 +22,17 @@ from planner.search.chronological import Chronological
 from planner.search.depth_first import DepthFirst
 from planner.search.flaws import Ranking, nearest_first, soonest_first
 from planner.search.outcome import Limits, Outcome, Request
+from planner.tokens.path import TokenPath
 
 MEMBERS: tuple[tuple[type[DepthFirst], Ranking], ...] = (
-    (Chronological, nearest_first),
     (Chronological, soonest_first),
-    (Backjumping, nearest_first),
+    (Chronological, nearest_first),
     (Backjumping, soonest_first),
+    (Backjumping, nearest_first),
 )
-FIRST_SLICE = 2000
+FIRST_SLICE = 250
 """Backtracks that each search has in the first round."""
-GROWTH = 3
+GROWTH = 1.5
 """By how much longer a slice is in the next round."""
 
 
@@ -38,6 +44,7 @@ class Portfolio:
         self.request = request
         self.deadline = perf_counter() + request.limits.max_seconds
         self.outcome = Outcome()
+        self.dead_ends: Counter[TokenPath] = Counter()
 
     def run(self) -> Outcome:
         """Search until one member is done or the limits are reached. Without a plan the database is as before."""
@@ -47,14 +54,20 @@ class Portfolio:
             for kind, order in MEMBERS:
                 left = Limits(max_steps - total.steps, self.deadline - perf_counter())
                 member = kind(self.database, replace(self.request, limits=left))
-                member.order, member.max_backtracks = order, slice_
+                member.order, member.max_backtracks = self.weighted(order), slice_
                 _look_again(self.database)
                 _add(total, member.run())
+                self.dead_ends.update(member.dead_ends)
                 if total.complete or total.exhausted:
                     return total
                 if total.steps >= max_steps or perf_counter() > self.deadline:
                     return total
-            slice_ *= GROWTH
+            slice_ = int(slice_ * GROWTH)
+
+    def weighted(self, order: Ranking) -> Ranking:
+        """An order of tokens, below that of how often each was a dead end up to now."""
+        dead_ends = dict(self.dead_ends)
+        return (lambda token, count: (-dead_ends.get(token.path, 0), *order(token, count))) if dead_ends else order
 
 
 def _look_again(database: PlanDatabase) -> None:

@@ -570,12 +570,13 @@ def sift(heap: Buffer, place: int, label: int, size: int) -> None:
     heap[3 * (label >> 1) + 1] = place
 
 
-def shortest(labels: Buffer, pool: Buffer, heap: Buffer, source: int, goal: int) -> int:
+def shortest(labels: Buffer, pool: Buffer, heap: Buffer, source: int, goal: int, most: int) -> int:
     """Dijkstra from label `source` on reduced costs, its own value as potential; the origin's edges are the bounds.
 
-    `heap` has three words a timepoint (see `sift`). Returns the distance to label `goal` (-1: to none). The key of a
-    timepoint that is final is then its distance less the value of its label plus that of the source; to any other the
-    shortest way is through the origin, `labels[other] + labels[source ^ 1]`.
+    `heap` has three words a timepoint (see `sift`). Returns the distance to label `goal` (-1: to none). No more than
+    `most` timepoints, those nearest by reduced costs, become final (-1: all that are nearer than through the origin).
+    The key of one that is final is then its distance less the value of its label plus that of the source; to any other
+    the shortest way known is through the origin, `labels[other] + labels[source ^ 1]`.
     """
     count = len(heap) // 3
     for point in range(count):
@@ -586,7 +587,8 @@ def shortest(labels: Buffer, pool: Buffer, heap: Buffer, source: int, goal: int)
     if source >= 2:
         sift(heap, 0, source, 0)
         size = 1
-    while size > 0:
+    while size > 0 and most != 0:
+        most -= 1
         label = heap[0]
         key = heap[3 * (label >> 1) + 2]
         heap[3 * (label >> 1) + 1] = -2

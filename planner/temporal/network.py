@@ -8,7 +8,7 @@ Sign convention, everywhere: a constraint says `minimum <= to - from <= maximum`
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -269,8 +269,8 @@ class TemporalNetworkManager:
         heap = np.zeros(3 * self._header[_POINTS], np.int64)
         buffer = heap if self._kernel.compiled else heap.data
         labels, pool, run = self._buffers[0], self._buffers[3], self._kernel.shortest
-        latest = run(labels, pool, buffer, 2 * a, 2 * b)
-        return -run(labels, pool, buffer, 2 * b, 2 * a), latest
+        latest = run(labels, pool, buffer, 2 * a, 2 * b, -1)
+        return -run(labels, pool, buffer, 2 * b, 2 * a, -1), latest
 
     def distances_from(self, a: int) -> list[tuple[int, int]]:
         """`distance(a, t)` for every timepoint t, from two searches."""
@@ -280,12 +280,30 @@ class TemporalNetworkManager:
         earliest = self._one_to_all(2 * a + 1)
         return [(-earliest[t], latest[t]) for t in range(count)]
 
+    def reach(self, a: int, latest: bool, most: int) -> Callable[[int], int]:
+        """A bound on `t - a` from above (`latest`) or on `a - t`, for any timepoint t: the tightest one for so many
+        that are nearest, for the others what bounds tell. It holds until the next change."""
+        self._check(a)
+        source = 2 * a + (not latest)
+        heap = np.zeros(3 * self._header[_POINTS], np.int64)
+        self._kernel.shortest(
+            self._buffers[0], self._buffers[3], heap if self._kernel.compiled else heap.data, source, -1, most
+        )
+        found, labels, side = heap.data, self._label_view, source & 1
+        mine, through_origin = labels[4 * source], labels[4 * (source ^ 1)]
+
+        def bound(t: int) -> int:
+            to = labels[8 * t + 4 * side]
+            return int(found[3 * t + 2] + to - mine if found[3 * t + 1] == -2 else to + through_origin)
+
+        return bound
+
     def _one_to_all(self, source: int) -> list[int]:
         """Distance from label `source` to the same side of every timepoint."""
         count = self._header[_POINTS]
         heap = np.zeros(3 * count, np.int64)
         buffer = heap if self._kernel.compiled else heap.data
-        self._kernel.shortest(self._buffers[0], self._buffers[3], buffer, source, -1)
+        self._kernel.shortest(self._buffers[0], self._buffers[3], buffer, source, -1, -1)
         labels = self._labels[4 * (source & 1) : 8 * count : 8]
         through_origin = labels + self._labels[4 * (source ^ 1)]
         direct = heap[2::3] + labels - self._labels[4 * source]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import reduce
 from operator import or_
 from typing import Any
@@ -195,6 +195,14 @@ class TokenNetworkManager:
             hosts += found
             places += [(timeline.object, position) for position in slots]
         return hosts, places
+
+    def fitting(self, token: Token) -> tuple[Iterable[Token], Iterable[tuple[ModelObject, int]]]:
+        """Those of its `openings` that constraints with what is near leave it too. At the propagated fixpoint only."""
+        if token.kind != "timeline":
+            return self.openings(token)
+        found = [(timeline.object, *timeline.fitting(token)) for timeline in self._timelines_for(token)]
+        hosts = (host for _, some, _ in found for host in some)
+        return hosts, ((thing, position) for thing, _, slots in found for position in slots)
 
     def hosts(self, token: Token) -> Iterator[Token]:
         """The active tokens that this one could be codesignated with, found as they are asked for."""

@@ -7,11 +7,16 @@ along it, so the slots and the tokens that a newcomer may meet are a window foun
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from planner.model.classes import ModelObject
 from planner.temporal.network import EARLIEST, LATEST, TemporalNetworkManager
 from planner.tokens.token import Token
+
+NEAR = 256
+"""So many timepoints around an open token are asked how far from it they must be."""
+MANY = 128
+"""With more tokens than this where it may go, a token is not looked at so closely."""
 
 
 class Timeline:
@@ -46,6 +51,25 @@ class Timeline:
         if may_seek_hosts(token):
             hosts = [host for host in self.sequence[first:last] if may_codesignate(token, host)]
         return hosts, list(self._slots(token, first, last))
+
+    def fitting(self, token: Token) -> tuple[Iterable[Token], Iterable[int]]:
+        """Those of its `openings` that constraints with what is near the token leave it too: a subgoal that meets its
+        master, for example, has but the slot beside it. Where many tokens lie, all of them, found when asked for."""
+        first, last = self.window(token)
+        if last - first > MANY:
+            return self.hosts(token), self.slots(token)
+        hosts, slots = self.openings(token)
+        if len(hosts) + len(slots) < 2:
+            return hosts, slots
+        temporal, sequence = self.temporal, self.sequence
+        sooner = temporal.reach(token.start.timepoint, False, NEAR)
+        later = temporal.reach(token.end.timepoint, True, NEAR)
+        after = [p == 0 or sooner(sequence[p - 1].end.timepoint) >= 0 for p in slots]
+        before = [p == len(sequence) or later(sequence[p].start.timepoint) >= 0 for p in slots]
+        return (
+            [host for host in hosts if sooner(host.start.timepoint) >= 0 and later(host.end.timepoint) >= 0],
+            [p for p, *both in zip(slots, after, before, strict=True) if all(both)],
+        )
 
     def hosts(self, token: Token) -> Iterator[Token]:
         """The hosts that the token could be codesignated with, as far as bounds and domains can tell, in order."""

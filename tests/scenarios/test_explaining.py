@@ -130,8 +130,8 @@ def test_a_part_is_proven_where_the_search_of_all_is_not(tmp_path: Path) -> None
     text = f"typedef int [0 1] Bit; {free} Bit x; Bit y; Bit z; neq(x, y); neq(y, z); neq(x, z); leq(f1, f2);"
     path = tmp_path / "x.nddl"
     path.write_text(text)
-    assert plan_file(path, max_steps=3000).verdict == "limit"
-    answer = plan_file(path, max_steps=3000, explain=True)
+    assert plan_file(path, engine="chronological", max_steps=3000).verdict == "limit"
+    answer = plan_file(path, engine="chronological", max_steps=3000, explain=True)
     assert answer.verdict == "unsolvable"
     assert isinstance(answer.explanation, Conflict)
     assert [s.text for s in answer.explanation.statements] == ["neq(x, y);", "neq(y, z);", "neq(x, z);"]

@@ -184,7 +184,7 @@ def test_a_jump_too_far_is_seen(
 
 
 def test_backjumping_does_not_try_what_is_beside_the_point() -> None:
-    """Free variables before an unsatisfiable core: their alternatives cannot help."""
+    """Free variables before an unsatisfiable core: their alternatives cannot help. In the portfolio it is the third."""
     steps = {}
     for engine in ENGINES:
         database = PlanDatabase(ModelBuilder("core", STANDARD).finish(), (0, 1))
@@ -198,7 +198,8 @@ def test_backjumping_does_not_try_what_is_beside_the_point() -> None:
         outcome = ENGINES[engine].search(database, LIMITS, None, None)
         assert outcome.exhausted
         steps[engine] = outcome.steps
-    assert steps == {"chronological": 1022, "backjumping": 10, "portfolio": 1022}
+    assert (steps["chronological"], steps["backjumping"]) == (1022, 10)
+    assert steps["portfolio"] < 400
 
 
 def test_decisions_are_counted_as_they_are_listed() -> None:
@@ -221,3 +222,24 @@ def test_decisions_are_counted_as_they_are_listed() -> None:
             assert flaw.count(database) == len(list(flaw.decisions(database)))
             counted += 1
     assert counted > 50
+
+
+def test_what_does_not_fit_cannot_be_decided(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wherever a search comes, each place that is left out of a token's decisions fails when it is tried."""
+    tried = 0
+    decisions = OpenToken.decisions
+
+    def watched(flaw: OpenToken, database: PlanDatabase) -> Iterator[Decision]:
+        nonlocal tried
+        for unfit in flaw.unfit(database):
+            tried += 1
+            depth = database.trail.push()
+            with pytest.raises(Inconsistency):
+                unfit.apply(database)
+            database.trail.pop_to(depth)
+        return decisions(flaw, database)
+
+    monkeypatch.setattr(OpenToken, "decisions", watched)
+    for seed in range(250):
+        solve(random_small(random.Random(seed)))
+    assert tried > 50

@@ -156,6 +156,10 @@ class History:
                 assert [(network.lower(t), network.upper(t)) for t in range(len(expected))] == expected
                 assert network.distance(a, b) == (-d[b, a], d[a, b])
                 assert [tuple(pair) for pair in network.distances_from(a)] == list(zip(-d[:, a], d[a], strict=True))
+                later, sooner = network.reach(a, True, -1), network.reach(a, False, -1)
+                assert [(later(t), sooner(t)) for t in range(len(d))] == list(zip(d[a], d[:, a], strict=True))
+                near = network.reach(a, True, 2)
+                assert all(d[a, t] <= near(t) <= network.upper(t) - network.lower(a) for t in range(len(d)))
         first, second = self.networks
         assert image(first) == image(second)
         rows = {row[0]: row[1:5] for row in first.constraints()}
