@@ -6,8 +6,8 @@ portfolios: Huberman, Lukose and Hogg, Science 275, 1997). Slices are counted in
 straight on is not interrupted, and grow, so that whatever any of the searches finds or proves is found or proven.
 
 What one search learns, the next begins with: a token for which no decision was left comes the earlier, the more often
-that was so, in whichever search (after the weights of constraints in Boussemart, Hemery, Lecoutre and Sais, "Boosting
-systematic search by weighting constraints", ECAI 2004). Within a slice the weights stand still.
+that was so, in whichever search (as constraints are weighted in Boussemart et al., "Boosting systematic search by
+weighting constraints", ECAI 2004). Within a slice the weights stand still.
 """
 
 from __future__ import annotations

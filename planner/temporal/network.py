@@ -274,11 +274,8 @@ class TemporalNetworkManager:
 
     def distances_from(self, a: int) -> list[tuple[int, int]]:
         """`distance(a, t)` for every timepoint t, from two searches."""
-        self._check(a)
-        count = self._header[_POINTS]
-        latest = self._one_to_all(2 * a)
-        earliest = self._one_to_all(2 * a + 1)
-        return [(-earliest[t], latest[t]) for t in range(count)]
+        later, sooner = self.reach(a, True, -1), self.reach(a, False, -1)
+        return [(-sooner(t), later(t)) for t in range(self._header[_POINTS])]
 
     def reach(self, a: int, latest: bool, most: int) -> Callable[[int], int]:
         """A bound on `t - a` from above (`latest`) or on `a - t`, for any timepoint t: the tightest one for so many
@@ -297,19 +294,6 @@ class TemporalNetworkManager:
             return int(found[3 * t + 2] + to - mine if found[3 * t + 1] == -2 else to + through_origin)
 
         return bound
-
-    def _one_to_all(self, source: int) -> list[int]:
-        """Distance from label `source` to the same side of every timepoint."""
-        count = self._header[_POINTS]
-        heap = np.zeros(3 * count, np.int64)
-        buffer = heap if self._kernel.compiled else heap.data
-        self._kernel.shortest(self._buffers[0], self._buffers[3], buffer, source, -1, -1)
-        labels = self._labels[4 * (source & 1) : 8 * count : 8]
-        through_origin = labels + self._labels[4 * (source ^ 1)]
-        direct = heap[2::3] + labels - self._labels[4 * source]
-        distances: list[int] = np.where(heap[1::3] == -2, direct, through_origin).tolist()
-        distances[source >> 1] = 0
-        return distances
 
     def probe(self, from_: int, to: int, minimum: int, maximum: int, observed: int = 0) -> tuple[int, int] | None:
         """What the bounds of `observed` would be with `minimum <= to - from_ <= maximum` too; None: inconsistent.
