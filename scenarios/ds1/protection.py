@@ -61,6 +61,8 @@ DRIFT_AGAIN_S = 90
 # with those of 1 ms. With a valve closed a pair pushes to one side only: found before an image is smeared by it.
 LOOSE_ERROR_RAD = 2.0e-4
 LOOSE_S = 60
+# The longest healthy slew takes 1470 s. In standby, one that takes longer is not on its way.
+ENDLESS_S = 1600
 # A healthy slew turns at its limit of 2.62e-3 at the most.
 OVER_RATE_RAD_S = 3.4e-3
 OVER_RATE_S = 5
@@ -88,12 +90,13 @@ _DRIFTING = (
 
 
 def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[Monitor]:
-    """The attitude drifts off or is held loosely, or a slew runs away, while the thrusters steer in that mode.
+    """The attitude drifts off or is held loosely, or a slew runs away or finds no end, while that mode steers.
 
     It speaks for a thruster that the mode depends on; once the other mode has been found wanting, against both.
     """
     steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
+    endless = (_is(MODE, "standby"), _is("acs.state", "slewing"))
     settled = (_is("acs.state", "settled"),)
     loose = (
         *steering,
@@ -109,6 +112,7 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
         when = (*steering, _is(concluded_channel(other), known))
         yield Monitor(f"drift under {mode}{words}", (*when, *_DRIFTING), persistence, conclusion, until=settled)
         yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
+        yield Monitor(f"endless slew under {mode}{words}", (*when, *endless), ENDLESS_S, conclusion, until=settled)
 
 
 def _overdrawn(lower: int, conclusion: Conclusion) -> Monitor:
