@@ -6,17 +6,24 @@ They read the network and change nothing, so that an engine may ask at any time.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
+from random import Random
 from types import MappingProxyType
 from typing import Any
 
 from planner.constraints.consistency import constraints_on, only, with_value
 from planner.constraints.network import Variable
+from planner.domains import Interval
 
 VariableHeuristic = Callable[[Iterable[Variable]], Variable | None]
 """The variable to assign next among some, the first of equals; None when all have one value, or endless ones."""
-ValueHeuristic = Callable[[Variable], list[Any]]
+ValueHeuristic = Callable[[Variable], Iterable[Any]]
 """The values of a variable with finitely many, in the order in which to try them."""
+Scalar = str | int | float | bool
+"""A value as a file says it."""
+MANY = 1000
+"""Of more values than this, none is looked at before it is tried."""
 
 
 def _least(variables: Iterable[Variable], key: Callable[[Variable], float]) -> Variable | None:
@@ -30,8 +37,15 @@ def first_stated(variables: Iterable[Variable]) -> Variable | None:
 
 
 def fewest_values(variables: Iterable[Variable]) -> Variable | None:
-    """The one with the fewest values left (Haralick and Elliott 1980)."""
-    return _least(variables, lambda variable: variable.domain.size)
+    """The one with the fewest values left (Haralick and Elliott 1980); none has fewer than two."""
+    best, fewest = None, math.inf
+    for variable in variables:
+        size = variable.domain.size
+        if 1 < size < fewest:
+            best, fewest = variable, size
+            if size <= 2:
+                break
+    return best
 
 
 def fewest_values_per_constraint(variables: Iterable[Variable]) -> Variable | None:
@@ -39,14 +53,30 @@ def fewest_values_per_constraint(variables: Iterable[Variable]) -> Variable | No
     return _least(variables, lambda variable: variable.domain.size / (1 + sum(1 for _ in constraints_on(variable))))
 
 
-def in_order(variable: Variable) -> list[Any]:
+def in_order(variable: Variable) -> Iterable[Any]:
     """In the order in which the domain lists them."""
-    return list(variable.domain.values())
+    values: Iterable[Any] = variable.domain.values()
+    return values
 
 
-def least_constraining(variable: Variable) -> list[Any]:
+def smallest_first(variable: Variable) -> Sequence[Any]:
+    """Numbers by size, other values as they were declared."""
+    domain = variable.domain
+    if isinstance(domain, Interval):
+        return range(int(domain.lower), int(domain.upper) + 1)
+    return sorted(domain.values()) if domain.is_numeric else list(domain.values())
+
+
+def largest_first(variable: Variable) -> Iterable[Any]:
+    """The reverse of the smallest first."""
+    return smallest_first(variable)[::-1]
+
+
+def least_constraining(variable: Variable) -> Iterable[Any]:
     """Those first that leave most to other variables, as far as each constraint tells by itself: by the product of the
     sizes of their domains (Geelen 1992). A value that a constraint refuses comes last."""
+    if variable.domain.size > MANY:
+        return in_order(variable)
     return sorted(variable.domain.values(), key=lambda value: -_left(variable, value))
 
 
@@ -64,6 +94,38 @@ def _left(variable: Variable, value: Any) -> float:
     return total
 
 
+def shuffled(variable: Variable, seed: int) -> Iterator[Any]:
+    """A random order, a function of the seed and the variable's name alone, drawn as far as somebody asks.
+
+    Fisher and Yates' shuffle, with only what moved written down.
+    """
+    values = smallest_first(variable)
+    random = Random(f"{seed} {variable.name}")
+    moved: dict[int, int] = {}
+    for last in range(len(values) - 1, -1, -1):
+        place = random.randrange(last + 1)
+        drawn = moved.get(place, place)
+        moved[place] = moved.get(last, last)
+        yield values[drawn]
+
+
+def listed_first(variable: Variable, order: Sequence[Scalar]) -> Iterator[Any]:
+    """What is listed, where it is a value, then the others, the smallest first."""
+    values = smallest_first(variable)
+    if isinstance(values, range):
+        listed = [int(v) for v in order if not isinstance(v, bool | str) and v in values]
+    else:
+        listed = [value for wanted in order for value in values if _is_meant(wanted, value)]
+    first = dict.fromkeys(listed)
+    return chain(first, (value for value in values if value not in first))
+
+
+def _is_meant(wanted: Scalar, value: Any) -> bool:
+    if isinstance(wanted, bool) or isinstance(value, bool):
+        return wanted is value
+    return bool(wanted == value) or wanted == str(value)
+
+
 VARIABLE_HEURISTICS: Mapping[str, VariableHeuristic] = MappingProxyType(
     {
         "first-stated": first_stated,
@@ -72,5 +134,5 @@ VARIABLE_HEURISTICS: Mapping[str, VariableHeuristic] = MappingProxyType(
     }
 )
 VALUE_HEURISTICS: Mapping[str, ValueHeuristic] = MappingProxyType(
-    {"in-order": in_order, "least-constraining": least_constraining}
+    {"in-order": in_order, "min": smallest_first, "max": largest_first, "least-constraining": least_constraining}
 )

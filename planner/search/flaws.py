@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, islice
 
+from planner.constraints.heuristics import VARIABLE_HEURISTICS, fewest_values, in_order
 from planner.constraints.network import DurationVariable, TimeVariable, Variable
 from planner.database import PlanDatabase
 from planner.domains import Interval
@@ -101,7 +102,7 @@ class Undecided:
     def decisions(self, database: PlanDatabase) -> Iterator[Decision]:
         """The values that are left, in the order in which the domain lists them, or as hinted."""
         domain = self.variable.domain
-        for value in domain.values() if self.hints is None else self.hints.values_of(self.variable):
+        for value in in_order(self.variable) if self.hints is None else self.hints.values_of(self.variable):
             one = Interval(value, value, domain.integer) if isinstance(domain, Interval) else domain.keep((value,))
             yield Assign(self.variable, value, one)
 
@@ -266,20 +267,17 @@ def _earlier(database: PlanDatabase, token: Token, hints: Hints | None) -> Undec
 
 
 def _smallest(database: PlanDatabase, hints: Hints | None) -> Undecided | None:
-    """The variable with the fewest values among the oldest that are undecided: a window, so that a step stays cheap.
-    Where hints give priorities, the one with the highest among all."""
-    best: Variable | None = None
-    fewest = math.inf
+    """The variable with the fewest values, or as hinted, among the oldest that are undecided: a window, so that a step
+    stays cheap. Where hints give priorities, among all with the highest."""
     sizes = ((v, v.domain.size) for v in database.tokens.still_undecided())
     finite = ((v, size) for v, size in sizes if size < math.inf)
     if hints is not None and hints.has_priorities:
-        found = min(finite, key=lambda pair: (hints.urgency_of_variable(pair[0]), pair[1]), default=None)
-        return None if found is None else Undecided(found[0], hints)
-    for variable, size in islice(finite, WINDOW):
-        if size < fewest:
-            best, fewest = variable, size
-            if size <= 2:
-                break
+        urgencies = [(hints.urgency_of_variable(variable), variable) for variable, _ in finite]
+        most = min((urgency for urgency, _ in urgencies), default=0)
+        among = iter([variable for urgency, variable in urgencies if urgency == most])
+    else:
+        among = islice((variable for variable, _ in finite), WINDOW)
+    best = fewest_values(among) if hints is None else VARIABLE_HEURISTICS[hints.variables](among)
     return Undecided(best, hints) if best is not None else None
 
 

@@ -1,4 +1,7 @@
-"""Files of solver hints: TOML, one `[[hint]]` table each.
+"""Files of solver hints: TOML, one `[[hint]]` table each; `scenarios/examples/rover_battery.hints.toml` is one.
+
+    variables = "fewest-values"    # which of several variables comes first: as without a hint; or "first-stated",
+                                   # "fewest-values-per-constraint"
 
     [[hint]]                       # tokens of this class, or one below it, and this predicate; either may be left out
     class = "Rover"
@@ -10,7 +13,8 @@
     [[hint]]                       # a parameter of these tokens, or a local variable of their rules
     predicate = "drive"
     variable = "to"
-    values = ["Hill", "Rock"]      # these first; or "min", "max", "random". Without `variable`: for all parameters
+    values = ["Hill", "Rock"]      # these first; or "min", "max", "least-constraining", "in-order", "random".
+                                   # Without `variable`: for all parameters
     filter = true                  # resolved when no other token or variable is left; instead of a priority
 
 `min` and `max` of values that are not numbers are the order of their declaration and its reverse. What a list names
@@ -26,6 +30,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from planner.constraints.heuristics import VALUE_HEURISTICS, VARIABLE_HEURISTICS
 from planner.errors import HintsError, nearest
 from planner.search.hints import HIGHEST, LAST, Hint, Hints
 
@@ -53,7 +58,14 @@ def parse(text: str, where: str, seed: int = 0) -> Hints:
         content = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # the second: lists in lists in lists
         raise HintsError(f"{where}: not TOML: {error}") from error
-    wrong = [f"{key}: unknown key{nearest(key, ['hint'])}" for key in content if key != "hint"]
+    wrong = [
+        f"{key}: unknown key{nearest(key, ['hint', 'variables'])}"
+        for key in content
+        if key not in ("hint", "variables")
+    ]
+    variables = content.get("variables", Hints().variables)
+    if not isinstance(variables, str) or variables not in VARIABLE_HEURISTICS:
+        wrong.append(f"variables: expected one of {', '.join(VARIABLE_HEURISTICS)}, found {variables!r:.80}")
     tables = content.get("hint", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         wrong.append(f"hint: expected tables [[hint]], found {tables!r:.80}")
@@ -62,7 +74,7 @@ def parse(text: str, where: str, seed: int = 0) -> Hints:
             wrong += [f"hint[{number}]{complaint}" for complaint in _complaints(table)]
     if wrong:
         raise HintsError("\n".join(f"{where}: {complaint}" for complaint in wrong))
-    return Hints(tuple(_hint(table) for table in tables), seed, where)
+    return Hints(tuple(_hint(table) for table in tables), seed, where, variables)
 
 
 def _is_word(value: object) -> bool:
@@ -76,20 +88,21 @@ def _is_priority(value: object) -> bool:
 def _is_order(value: object) -> bool:
     if isinstance(value, list):
         return bool(value) and all(isinstance(v, str | int | bool) or _is_finite(v) for v in value)
-    return value in ("min", "max", "random")
+    return value == "random" or (isinstance(value, str) and value in VALUE_HEURISTICS)
 
 
 def _is_finite(value: object) -> bool:
     return isinstance(value, float) and math.isfinite(value)
 
 
+_ORDERS = ", ".join(f'"{name}"' for name in (*VALUE_HEURISTICS, "random"))
 KEYS: Mapping[str, tuple[Callable[[object], bool], str]] = {
     "class": (_is_word, "a name"),
     "predicate": (_is_word, "a name"),
     "variable": (_is_word, "a name"),
     "priority": (_is_priority, f"a whole number from {-HIGHEST} to {HIGHEST}"),
     "filter": (lambda value: value is True, "true"),
-    "values": (_is_order, '"min", "max", "random" or a list of values'),
+    "values": (_is_order, f"{_ORDERS} or a list of values"),
     "prefer": (lambda value: value in ("codesignate", "insert"), '"codesignate" or "insert"'),
     "slot": (lambda value: value in ("first", "last"), '"first" or "last"'),
 }

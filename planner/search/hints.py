@@ -7,14 +7,13 @@ their files: `hint_files.py`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
-from random import Random
 from typing import Any, Literal
 
+from planner.constraints.heuristics import VALUE_HEURISTICS, Scalar, in_order, listed_first, shuffled
 from planner.constraints.network import Variable
-from planner.domains import Interval
 from planner.errors import HintsError, nearest
 from planner.model.classes import objects_in
 from planner.model.manager import ModelManager
@@ -29,21 +28,20 @@ HIGHEST = 1000
 LAST = -HIGHEST - 1
 """The priority of what a filter puts off."""
 
-Scalar = str | int | float | bool
-
 
 @dataclass(frozen=True, slots=True)
 class Hint:
     """What is said, and of which flaws: tokens of a class and a predicate, or a variable of theirs or of their rules.
 
-    None: of any, or nothing. `classes`: `cls` and those below it, as far as a model is known.
+    None: of any, or nothing. `values`: one of `VALUE_HEURISTICS`, "random", or those to try first. `classes`: `cls` and
+    those below it, as far as a model is known.
     """
 
     cls: str | None = None
     predicate: str | None = None
     variable: str | None = None
     priority: int | None = None
-    values: Literal["min", "max", "random"] | tuple[Scalar, ...] | None = None
+    values: str | tuple[Scalar, ...] | None = None
     prefer: Literal["codesignate", "insert"] | None = None
     slot: Literal["first", "last"] | None = None
     classes: frozenset[str] = frozenset()
@@ -72,7 +70,8 @@ class Hint:
 
 @dataclass(frozen=True, slots=True)
 class Hints:
-    """Hints, of which the first one that says something of a flaw counts. `where`: their file, for complaints.
+    """Hints, of which the first one that says something of a flaw counts. `where`: their file, for complaints;
+    `variables`: one of `VARIABLE_HEURISTICS`.
 
     `seed`: of the random orders. Each is a function of it and of the variable's name alone: a search that comes by
     again finds it as it was, and what was undone leaves no trace.
@@ -81,6 +80,7 @@ class Hints:
     hints: tuple[Hint, ...] = ()
     seed: int = 0
     where: str = "hints"
+    variables: str = "fewest-values"
 
     def of_model(self, model: ModelManager) -> Hints:
         """These hints for a model; HintsError for a name that it does not have."""
@@ -128,19 +128,13 @@ class Hints:
     def values_of(self, variable: Variable) -> Iterator[Any]:
         """The values of a variable with finitely many, as they are to be tried."""
         order = next((h.values for h in self.hints if h.values is not None and h.is_of_variable(variable)), None)
-        domain = variable.domain
-        if order is None or domain.is_singleton:
-            return iter(domain.values())
-        values: Sequence[Any]
-        if isinstance(domain, Interval):
-            values = range(int(domain.lower), int(domain.upper) + 1)
-        else:
-            values = sorted(domain.values()) if domain.is_numeric else list(domain.values())
+        if order is None or variable.domain.is_singleton:
+            return iter(in_order(variable))
         if order == "random":
-            return _shuffled(values, Random(f"{self.seed} {variable.name}"))
+            return shuffled(variable, self.seed)
         if isinstance(order, tuple):
-            return _listed_first(order, values)
-        return iter(values) if order == "min" else reversed(values)
+            return listed_first(variable, order)
+        return iter(VALUE_HEURISTICS[order](variable))
 
     def arranged(self, token: Token, decisions: Iterator[Decision]) -> Iterator[Decision]:
         """The decisions on a token as they are to be tried; rejection stays last."""
@@ -185,29 +179,3 @@ def _last_first(inserts: Iterable[Decision]) -> list[Decision]:
         assert isinstance(insert, Insert)
         timelines.setdefault(insert.object, []).insert(0, insert)
     return [insert for slots in timelines.values() for insert in slots]
-
-
-def _shuffled(values: Sequence[Any], random: Random) -> Iterator[Any]:
-    """A random order, drawn as far as somebody asks (Fisher and Yates, with only what moved written down)."""
-    moved: dict[int, int] = {}
-    for last in range(len(values) - 1, -1, -1):
-        place = random.randrange(last + 1)
-        drawn = moved.get(place, place)
-        moved[place] = moved.get(last, last)
-        yield values[drawn]
-
-
-def _listed_first(order: Sequence[Scalar], values: Sequence[Any]) -> Iterator[Any]:
-    """What is listed, where it is a value, then the others."""
-    if isinstance(values, range):
-        listed = [int(v) for v in order if not isinstance(v, bool | str) and v in values]
-    else:
-        listed = [value for wanted in order for value in values if _is_meant(wanted, value)]
-    first = dict.fromkeys(listed)
-    return chain(first, (value for value in values if value not in first))
-
-
-def _is_meant(wanted: Scalar, value: Any) -> bool:
-    if isinstance(wanted, bool) or isinstance(value, bool):
-        return wanted is value
-    return bool(wanted == value) or wanted == str(value)

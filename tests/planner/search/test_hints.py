@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.checker import check
+from planner.constraints.heuristics import VARIABLE_HEURISTICS
 from planner.constraints.standard import STANDARD
 from planner.constraints.variables import Variable
 from planner.database import PlanDatabase
@@ -122,7 +123,7 @@ def test_a_random_order_is_that_of_its_seed(tmp_path: Path) -> None:
 
 @given(st.integers(0, 40), st.integers(0, 5), st.sampled_from(["min", "max", "random", (3, 1, 99, "x", True)]))
 def test_every_order_has_every_value_once(width: int, seed: int, order: object) -> None:
-    hints = Hints((Hint(variable="v", values=order),), seed)  # type: ignore[arg-type]
+    hints = Hints((Hint(variable="v", values=order),), seed)
     found = list(hints.values_of(Variable("v", Interval(-2, width), None)))
     assert sorted(found) == list(range(-2, width + 1))
 
@@ -206,7 +207,11 @@ def test_hints_leave_what_can_be_planned_as_it_is() -> None:
         small, draw = random_small(random.Random(seed)), random.Random(seed)
         model, problem = model_of(small), problem_of(small)
         predicates = sorted(small.kinds)
-        hints = Hints(tuple(_random_hint(draw, predicates) for _ in range(4)), seed)
+        hints = Hints(
+            tuple(_random_hint(draw, predicates) for _ in range(4)),
+            seed,
+            variables=draw.choice(list(VARIABLE_HEURISTICS)),
+        )
         limits = Limits(max_steps=2000, max_seconds=20)
         engine = draw.choice(["chronological", "backjumping", "portfolio"])
         plain, hinted = plan(model, problem, limits), plan(model, problem, limits, engine=engine, hints=hints)
@@ -229,7 +234,7 @@ def _random_hint(draw: random.Random, predicates: list[str]) -> Hint:
     return Hint(
         predicate=predicate,
         priority=draw.choice([None, 5, -5, LAST]),
-        values=draw.choice([None, "min", "max", "random", (1,)]),
+        values=draw.choice([None, "min", "max", "least-constraining", "random", (1,)]),
         prefer=draw.choice([None, "insert", "codesignate"]),
         slot=draw.choice([None, "first", "last"]),
     )
@@ -247,7 +252,11 @@ def _random_hint(draw: random.Random, predicates: list[str]) -> Hint:
         ('[[hint]]\npriority = "high"\n', "hint[0].priority: expected a whole number from -1000 to 1000, found 'high'"),
         ("[[hint]]\npriority = true\n", "hint[0].priority: expected a whole number"),
         ("[[hint]]\npriority = 1001\n", "hint[0].priority: expected a whole number"),
-        ('[[hint]]\nvalues = "up"\n', 'hint[0].values: expected "min", "max", "random" or a list of values'),
+        ('[[hint]]\nvalues = "up"\n', 'hint[0].values: expected "in-order", "min", "max", "least-constraining"'),
+        (
+            "variables = 3\n",
+            "variables: expected one of first-stated, fewest-values, fewest-values-per-constraint, found",
+        ),
         ("[[hint]]\nvalues = []\n", "hint[0].values: expected"),
         ("[[hint]]\nvalues = [nan]\n", "hint[0].values: expected"),
         ("[[hint]]\nslot = 1\n", 'hint[0].slot: expected "first" or "last", found 1'),
