@@ -151,10 +151,13 @@ def state_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenP
 
 
 def _camera_now(telemetry: Telemetry, conclusions: frozenset[str]) -> tuple[TokenPattern, ...]:
-    """Its mode and its switch. Where no images are kept it is of no use, but draws its power if it is on."""
+    """Its mode and its switch. Where no images are kept it is of no use, but draws its power if it is on; without its
+    bus it is neither of use nor a load."""
     on, stuck = telemetry["micas.switch"] == "on", TokenPattern("Camera.stuckOn", end=(FOREVER_S, None))
+    retired = TokenPattern("Camera.retired", end=(FOREVER_S, None))
+    if NEB2_OFF.name in conclusions and telemetry["neb2.status"] == "off":
+        return (retired,)
     if RECORDER_STUCK.name in conclusions:
-        retired = TokenPattern("Camera.retired", end=(FOREVER_S, None))
         return (retired, stuck) if on else (retired,)
     mode = TokenPattern("Camera.ready" if telemetry["micas.state"] == "ready" else "Camera.off")
     if CAMERA_STUCK_ON.name in conclusions and on:

@@ -297,6 +297,18 @@ def test_a_recorder_that_takes_no_images_ends_the_imaging() -> None:
     assert story.broken_rules == ()
 
 
+def test_a_camera_without_its_bus_is_not_planned_with() -> None:
+    """The relay of NEB2 opens: one other plan, without images, and nothing is tried in vain."""
+    story = fly(IMAGING, neb2_off=1000)
+    assert NEB2_OFF.name in story.executive.conclusions
+    assert story.goals == {"downlink": "achieved", "session-a": "dropped", "session-b": "dropped"}
+    assert len(story.executive.plans) == 2
+    assert {token.predicate for token in story.executive.plans[-1].plan.tokens if token.object == "camera"} == {
+        "Camera.retired"
+    }
+    assert story.broken_rules == ()
+
+
 def test_two_horizons_join_without_a_gap() -> None:
     """The plan says when the next is asked for; at the waypoint it takes over what is running, without standby."""
     later = SHORT.replace('deliberation = "2m"', 'deliberation = "2m"\nwaypoints = ["1h50m"]')
