@@ -53,14 +53,16 @@ def timeline(story: RunStory) -> str:
     """All lanes under the plans in force, with the faults and changes of plan across them."""
     axis, palette = Axis(*story.horizon), Palette()
     parts: list[str] = []
+    names: list[str] = []  # above the marks that cross them
     y = _MARKS
     parts += _phases(story, axis, y)
     y += _THICK + _GAP
     for lane in story.lanes:
-        parts += _lane(lane, axis, palette, y)
+        names.append(f'<text class="lane" x="{_LEFT}" y="{y + 11}">{escape(lane.name)}</text>')
+        parts += _lane(lane, axis, palette, y + _NAME)
         y += _NAME + 2 * _THIN + _THICK + _GAP
     name = f"plan against execution of {', '.join(lane.name for lane in story.lanes)}"
-    return _svg(WIDTH, y + 18, [*axis.grid(_MARKS - 4, y), *parts, *_marks(story, axis, y)], name)
+    return _svg(WIDTH, y + 18, [*axis.grid(_MARKS - 4, y), *parts, *_marks(story, axis, y), *names], name)
 
 
 def _phases(story: RunStory, axis: Axis, y: float) -> Iterator[str]:
@@ -71,8 +73,6 @@ def _phases(story: RunStory, axis: Axis, y: float) -> Iterator[str]:
 
 
 def _lane(lane: Lane, axis: Axis, palette: Palette, y: float) -> Iterator[str]:
-    yield f'<text class="lane" x="{_LEFT}" y="{y + 11}">{escape(lane.name)}</text>'
-    y += _NAME
     for stretches, words in ((lane.earliest, "planned, earliest"), (lane.latest, "planned, latest")):
         top = y if words.endswith("earliest") else y + _THIN + _THICK
         for stretch in stretches:

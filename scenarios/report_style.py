@@ -28,7 +28,7 @@ header p.broken { color: #a3123a; font-weight: 600; }
 svg text { font: 10px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: var(--ink); }
 svg text.label { fill: #fff; }
 svg text.label.dark { fill: #10151c; }
-svg text.lane { font-weight: 600; fill: #37414d; }
+svg text.lane { font-weight: 600; fill: #37414d; paint-order: stroke; stroke: #fff; stroke-width: 3px; }
 svg text.tick { font-size: 9px; fill: var(--soft); paint-order: stroke; stroke: #fff; stroke-width: 3px; }
 svg line.grid { stroke: #e6eaef; stroke-width: .7; }
 svg rect.planned { opacity: .42; }
