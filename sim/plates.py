@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from sim.optics import FULL_SCALE, STAR_TRACKER, Optics
 from sim.sky import CATALOGUE_ROW, Floats, Sky, load_sky, to_angles
 
-HINT_RAD = 4.0e-3
-"""How far off the spacecraft's belief may be."""
+HINTS_RAD = (5.0e-4, 4.0e-3)
+"""How far off the spacecraft's belief is at the most as a rule, and ever. The farther, the easier is one star taken for
+another: with the larger alone, frames full of stars stay unsolved now and then."""
 CONE = 1.6
 """How much more of the sky than the frame shows is searched, as a factor of its half diagonal."""
 MOST_CENTROIDS = 100
@@ -49,17 +50,24 @@ class UnsolvedError(Exception):
 def solve_narrow(frame: NDArray[np.uint16], optics: Optics, believed_I: Floats) -> Plate:
     """Solve a frame taken at about the believed axes (right, up, backward); `UnsolvedError` when that cannot be."""
     sky = load_sky()
-    near = sky.near(-believed_I[2], CONE * optics.corner_rad + HINT_RAD)
+    near = sky.near(-believed_I[2], CONE * optics.corner_rad + HINTS_RAD[-1])
     if len(near) < 3:
         raise UnsolvedError(f"{len(near)} stars of the catalogue near, expected at least 3")
     database = _database(sky, near, max_fov_deg=15.0, verification_stars_per_fov=4000, patterns_per_lattice_field=1)
     hint = np.array([believed_I[0], -believed_I[1], -believed_I[2]])
-    return _solve(frame, optics, database, attitude_hint=hint, hint_uncertainty_rad=HINT_RAD, strict_hint=True)
+    found = _extract(frame, optics)
+    for uncertainty in HINTS_RAD:
+        how = {"attitude_hint": hint, "hint_uncertainty_rad": uncertainty, "strict_hint": True}
+        try:
+            return _solve(found, optics, database, **how)
+        except UnsolvedError as reason:
+            last = reason
+    raise last
 
 
 def solve_wide(frame: NDArray[np.uint16], optics: Optics = STAR_TRACKER) -> Plate:
     """Solve a frame of the star tracker, lost in space; `UnsolvedError` when that cannot be."""
-    return _solve(frame, optics, _wide_database(), fov_max_error_rad=0.02 * optics.field_rad)
+    return _solve(_extract(frame, optics), optics, _wide_database(), fov_max_error_rad=0.02 * optics.field_rad)
 
 
 def centroids(frame: NDArray[np.uint16], optics: Optics) -> Floats:
@@ -80,12 +88,11 @@ def _extract(frame: NDArray[np.uint16], optics: Optics) -> list[tetra3rs.Centroi
     ).centroids
 
 
-def _solve(frame: NDArray[np.uint16], optics: Optics, database: tetra3rs.SolverDatabase, **how: Any) -> Plate:
-    found = _extract(frame, optics)
+def _solve(found: list[tetra3rs.Centroid], optics: Optics, database: tetra3rs.SolverDatabase, **how: Any) -> Plate:
     result = database.solve_from_centroids(
         found,
         fov_estimate_rad=optics.field_rad,
-        image_shape=frame.shape,
+        image_shape=(optics.pixels, optics.pixels),
         solve_timeout_ms=None,
         **how,
     )

@@ -88,6 +88,14 @@ def test_the_direction_measured_is_the_target_s(diameter_rad: float) -> None:
         assert np.linalg.norm(frame.direction_I - direction) < 2e-6
 
 
+def test_a_frame_full_of_stars_is_not_lost_to_a_wide_search() -> None:
+    """Eleven stars, the attitude known to a pixel: searched for within 4 mrad alone this one finds no match."""
+    direction = from_angles(np.array([3.478923]), np.array([0.060574]))[0]
+    believed = looking_at(direction + np.array([0.0, 7e-6, 5e-6]), 3.537)
+    rng = np.random.default_rng(85)
+    assert take("x", body(direction, 8e-4), [looking_at(direction, 3.537)], 30.0, believed, rng).status == "stars"
+
+
 def test_what_spoils_a_frame() -> None:
     direction, rng = asteroids()[3], np.random.default_rng(5)
     steady = looking_at(direction)
