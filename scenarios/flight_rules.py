@@ -116,8 +116,9 @@ FLIGHT_RULES = (
     ),
     FlightRule(
         "no-turn-while-exposing",
-        "the spacecraft does not turn while the camera exposes",
+        "the spacecraft does not turn while the camera exposes, but for half a minute after it lost its target",
         _both(_EXPOSING, _TURNING),
+        grace_s=30,
     ),
     FlightRule(
         "no-thrust-while-turning",

@@ -10,6 +10,7 @@ from executive.sends import Confirmation, Send
 from planner.problem import TokenPattern
 from scenarios.ds1.capability import EXPOSURE_S
 from scenarios.ds1.protection import (
+    ACS_HUNG,
     ARRAYS_WEAK,
     CAMERA_HUNG,
     CAMERA_STUCK_ON,
@@ -44,6 +45,7 @@ ACTIVITIES = (
         parameters=("target",),
         contingent=True,
         start=(Send("acs.point", {"target": "$target"}),),
+        started=Confirmation(unanswered=ACS_HUNG),
         finish=Finish(ON_TARGET, hold_early=True),
     ),
     Activity(

@@ -21,6 +21,7 @@ CAMERA_STUCK_ON = Conclusion("micas.switch stuck_on", "the camera's power switch
 IMAGE_LOST = Conclusion("micas image lost", "an image was read out and is not on the recorder")
 RECORDER_STUCK = Conclusion("recorder stuck", "the recorder takes no images")
 CAMERA_HUNG = Conclusion("micas.terminal hung", "the camera's terminal does not answer")
+ACS_HUNG = Conclusion("acs.terminal hung", "the terminal of the attitude control does not answer")
 RADIO_HUNG = Conclusion("radio.terminal hung", "the radio's terminal does not answer")
 LPE_HUNG = Conclusion("lpe.terminal hung", "the terminal of the LPE does not answer")
 LPE_DEAD = Conclusion("lpe.terminal dead", "the terminal of the LPE does not answer, and resets do not help")
@@ -55,6 +56,8 @@ LPE = probe_channel("lpe")
 DRIFT_ERROR_RAD = 1.0e-3
 DRIFT_RATE_RAD_S = 2.0e-4
 DRIFT_S = 10
+# Wheels are slow to take back what the star tracker corrects after a slew, which is less than this.
+WHEELS_DRIFT_ERROR_RAD = 1.3e-3
 # With one thruster less a slew creeps to its end: that is not yet the second fault.
 DRIFT_AGAIN_S = 90
 # Settled, and off target longer than thrusters ever leave it: over this for 9 s at the most with pulses of 5 ms, never
@@ -82,11 +85,17 @@ def _reset(terminal: str) -> Step:
     return Step((Send("terminal.reset", {"name": terminal}),))
 
 
-_DRIFTING = (
-    _is("acs.state", "slewing"),
-    Condition("acs.error_rad", ">", DRIFT_ERROR_RAD),
-    Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
-)
+def _drifting(error_rad: float) -> tuple[Condition, ...]:
+    return (
+        _is("acs.state", "slewing"),
+        Condition("acs.error_rad", ">", error_rad),
+        Condition("acs.rate_rad_s", "<", DRIFT_RATE_RAD_S),
+    )
+
+
+_ENDLESS = (_is(MODE, "standby"), _is("acs.state", "slewing"))
+_ON_WHEELS = (_is("acs.actuators", "wheels"),)
+_SETTLED = (_is("acs.state", "settled"),)
 
 
 def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[Monitor]:
@@ -96,11 +105,9 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
     """
     steering = (_is("acs.actuators", "thrusters"), _is("rcs.mode", mode))
     too_fast = (Condition("acs.rate_rad_s", ">", OVER_RATE_RAD_S),)
-    endless = (_is(MODE, "standby"), _is("acs.state", "slewing"))
-    settled = (_is("acs.state", "settled"),)
     loose = (
         *steering,
-        *settled,
+        *_SETTLED,
         Condition("acs.error_rad", ">", LOOSE_ERROR_RAD),
         _is(concluded_channel(other), False),
     )
@@ -110,9 +117,11 @@ def _lost_steering(mode: str, first: Conclusion, other: Conclusion) -> Iterator[
         (UNSTEADY, True, " too", DRIFT_AGAIN_S),
     ):
         when = (*steering, _is(concluded_channel(other), known))
-        yield Monitor(f"drift under {mode}{words}", (*when, *_DRIFTING), persistence, conclusion, until=settled)
-        yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=settled)
-        yield Monitor(f"endless slew under {mode}{words}", (*when, *endless), ENDLESS_S, conclusion, until=settled)
+        yield Monitor(
+            f"drift under {mode}{words}", (*when, *_drifting(DRIFT_ERROR_RAD)), persistence, conclusion, until=_SETTLED
+        )
+        yield Monitor(f"over-rate under {mode}{words}", (*when, *too_fast), OVER_RATE_S, conclusion, until=_SETTLED)
+        yield Monitor(f"endless slew under {mode}{words}", (*when, *_ENDLESS), ENDLESS_S, conclusion, until=_SETTLED)
 
 
 def _overdrawn(lower: int, conclusion: Conclusion) -> Monitor:
@@ -158,13 +167,8 @@ MONITORS = (
     Monitor("pasm-status", (_is("pasm.switch", "off"), _is(LPE, "answers")), 6, PASM_STATUS_FALSE),
     *_lost_steering("x_for_y", X_THRUSTER_CLOSED, Z_THRUSTER_CLOSED),
     *_lost_steering("z_for_y", Z_THRUSTER_CLOSED, X_THRUSTER_CLOSED),
-    Monitor(
-        "drift on wheels",
-        (_is("acs.actuators", "wheels"), *_DRIFTING),
-        DRIFT_S,
-        WHEELS_LOST,
-        until=(_is("acs.state", "settled"),),
-    ),
+    Monitor("drift on wheels", (*_ON_WHEELS, *_drifting(WHEELS_DRIFT_ERROR_RAD)), DRIFT_S, WHEELS_LOST, until=_SETTLED),
+    Monitor("endless slew on wheels", (*_ON_WHEELS, *_ENDLESS), ENDLESS_S, WHEELS_LOST, until=_SETTLED),
     *(_overdrawn(lower, conclusion) for lower, conclusion in ARRAYS_WEAK.items()),
     Monitor("thrust-in-standby", (_is(MODE, "standby"), _is("ips.state", "thrusting")), 30, ENGINE_RUNS_ON),
 )
@@ -225,6 +229,7 @@ RESPONSES = (
     ),
     Response(IMAGE_LOST.name, otherwise=RECORDER_STUCK, replan="never"),
     Response(CAMERA_HUNG.name, (Recovery("reset the terminal", (_reset("micas"),), within=5),)),
+    Response(ACS_HUNG.name, (Recovery("reset the terminal", (_reset("acs"),), within=5),)),
     Response(RADIO_HUNG.name, (Recovery("reset the terminal", (_reset("radio"),), within=5),)),
     # Where the engine has done what it was told, it is the answer that was lost: nothing to reset, nothing to rely on.
     Response(
