@@ -37,11 +37,11 @@ def first_stated(variables: Iterable[Variable]) -> Variable | None:
 
 
 def fewest_values(variables: Iterable[Variable]) -> Variable | None:
-    """The one with the fewest values left (Haralick and Elliott 1980); none has fewer than two."""
+    """The one with the fewest values left (Haralick and Elliott 1980). One with none is a dead end, and the first."""
     best, fewest = None, math.inf
     for variable in variables:
         size = variable.domain.size
-        if 1 < size < fewest:
+        if size < fewest and size != 1:
             best, fewest = variable, size
             if size <= 2:
                 break
