@@ -377,7 +377,7 @@ def test_a_goal_may_be_listed_as_dropped() -> None:
     "pattern",
     [
         TokenPattern("Navigation.session", parameters={"target": "asteroid_b"}),
-        TokenPattern("Navigation.session", start=(6 * HOUR, None)),
+        TokenPattern("Navigation.session", start=(11 * HOUR, None)),
         TokenPattern("Navigation.session", end=(None, 6 * HOUR)),
         TokenPattern("Navigation.session", duration=(100000, None)),
         TokenPattern("Navigation.session", object="radio"),
