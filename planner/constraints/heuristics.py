@@ -37,7 +37,7 @@ def first_stated(variables: Iterable[Variable]) -> Variable | None:
 
 
 def fewest_values(variables: Iterable[Variable]) -> Variable | None:
-    """The one with the fewest values left (Haralick and Elliott 1980). One with none is a dead end, and the first."""
+    """The one with the fewest values left (Haralick and Elliott 1980), or with none, a dead end."""
     best, fewest = None, math.inf
     for variable in variables:
         size = variable.domain.size
